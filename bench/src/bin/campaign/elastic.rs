@@ -237,9 +237,8 @@ fn resist_initial(mesh: &Mesh, body: &Body, analysis: Analysis, forces: &mut [Ve
     }
 }
 
-/// Nodal forces of the beds under a body. A bed
-/// that only presses is springs side by side at the Gauss points of its facets, two
-/// of a line and three with a middle node, each of which parts by itself.
+/// Nodal forces of the beds under a body. A bed that only presses is springs side by side at the Gauss points of its facets, two of a
+/// line and three with a middle node, each of which parts by itself.
 pub fn bedded(mesh: &Mesh, body: &Body, analysis: Analysis, moves: &[Vector]) -> Vec<Vector> {
     let mut forces = vec![[0.0; 2]; mesh.points.len()];
     for spring in &body.more.springs {

@@ -304,9 +304,9 @@ pub fn couple(scene: &mut Scene) {
     scene.holds("pressed down, held along");
 }
 
-/// A block that a spring at its corner draws to its place while it is pushed aside; the same with a bar to a wall.
-pub fn bar(scene: &mut Scene) {
-    let count = scene.random.pick(&[1, 1, 3]);
+/// A block on a floor beside a wall to which a bar may lead, in so many steps: the size of the block, how far it is to the wall, and
+/// a pressure.
+fn beside_a_wall(scene: &mut Scene, count: usize) -> ([f64; 2], f64, f64) {
     scene.problem.times = steps(count);
     let (w, h) = (
         scene.random.between(0.5, 1.5),
@@ -321,6 +321,13 @@ pub fn bar(scene: &mut Scene) {
     let law = scene.law(0.4);
     scene.touch(side("block", "bottom"), side("floor", "top"), law);
     let p = scene.strain * scene.random.between(0.2, 1.0);
+    ([w, h], apart, p)
+}
+
+/// A block that a spring at its corner draws to its place while it is pushed aside; the same with a bar to a wall.
+pub fn bar(scene: &mut Scene) {
+    let count = scene.random.pick(&[1, 1, 3]);
+    let ([_, h], apart, p) = beside_a_wall(scene, count);
     let time = course(&mut scene.random, count);
     let push = p * scene.random.between(-0.1, 0.1);
     let stiffness = scene.random.magnitude(0.1, 10.0) * scene.problem.bodies[1].thickness;
@@ -348,21 +355,8 @@ pub fn bar(scene: &mut Scene) {
 /// A block on a floor that is held at its right side, and drawn to and fro beside a bar to a wall that yields, slackens, or does both.
 pub fn yielding(scene: &mut Scene) {
     let count = scene.random.pick(&[1, 3, 6]);
-    scene.problem.times = steps(count);
-    let (w, h) = (
-        scene.random.between(0.5, 1.5),
-        scene.random.between(0.3, 1.0),
-    );
-    scene.block("floor", [-0.2, -0.5], [w + 0.2, 0.0], 3);
-    scene.block("block", [0.0, 0.0], [w, h], 3);
-    let apart = scene.random.between(0.3, 1.0);
-    scene.block("wall", [-apart - 0.4, 0.1], [-apart, h], 3);
-    scene.problem.bodies[0].supports.push(clamp(on("bottom")));
+    let ([w, h], apart, p) = beside_a_wall(scene, count);
     scene.problem.bodies[1].supports.push(clamp(on("right")));
-    scene.problem.bodies[2].supports.push(clamp(on("right")));
-    let law = scene.law(0.4);
-    scene.touch(side("block", "bottom"), side("floor", "top"), law);
-    let p = scene.strain * scene.random.between(0.2, 1.0);
     let time = Time::Wave(
         scene.random.between(0.5, 2.5),
         scene.random.between(0.0, 6.0),
