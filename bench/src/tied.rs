@@ -116,9 +116,8 @@ pub fn weld(model: &Model<2>) -> Result<Body<2>, String> {
 fn materials(body: &Body<2>) -> impl Iterator<Item = Material> {
     let group = Some(body.name.clone());
     body.materials.iter().map(move |material| Material {
-        strength: material.strength,
         group: group.clone(),
-        elastic: material.elastic,
+        ..material.clone()
     })
 }
 

@@ -382,9 +382,11 @@ fn references(judged: &[Judged<'_>]) -> String {
 
 /// The certificate of each case: the largest figures of its load steps beside their limits.
 fn certificates(found: &Found<'_>) -> String {
-    let names = Certificate::default()
+    let names: Vec<String> = Certificate::default()
         .figures()
-        .map(|(name, _)| name.replace('_', " "));
+        .iter()
+        .map(|(name, _)| name.replace('_', " "))
+        .collect();
     let mut text = format!(
         "## Certificates\n\nThe largest figure of all load steps, relative to its scale; in the last line its limit.\n\n\
          | Case | Steps | {} |\n|---|---:|{}\n",

@@ -143,6 +143,7 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
                 step: failure.step,
                 time: failure.time,
                 reason: failure.reason.clone(),
+                carried: failure.carried,
             }),
             since: start,
         };

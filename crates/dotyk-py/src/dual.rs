@@ -306,6 +306,7 @@ fn run_of<const D: usize>(
                 step: 1,
                 time: solution.time,
                 reason: reason.to_string(),
+                carried: None,
                 refusal: None,
             };
             (*solution, Some(failure))

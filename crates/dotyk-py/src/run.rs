@@ -245,6 +245,7 @@ impl Run {
                 step: failure.step,
                 time: failure.time,
                 reason: failure.reason.clone(),
+                carried: failure.carried,
             }),
             since: now.checked_sub(self.spent).unwrap_or(now),
         }
@@ -295,6 +296,11 @@ fn body_arrays<'py, const D: usize>(
     dict.set_item("von_mises", numbers(&answer.von_mises))?;
     if let Some(utilisation) = &answer.utilisation {
         dict.set_item("utilisation", numbers(&utilisation.nodal))?;
+    }
+    if let Some(own) = &answer.yielding {
+        dict.set_item("plastic_strain", tensors(&own.strain)?)?;
+        dict.set_item("equivalent_plastic_strain", numbers(&own.equivalent))?;
+        dict.set_item("yielded", numbers(&own.share))?;
     }
     Ok(dict)
 }

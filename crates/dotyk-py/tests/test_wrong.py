@@ -29,7 +29,7 @@ CALLS = {
     "model": lambda r, v: dotyk.Model(v(), title=v(), parameters=v()),
     "body": lambda r, v: model().body(v(), r.choice([MESH, v()]), young=v(), poisson=r.choice([0.3, v()])),
     "body_keys": lambda r, v: model().body(
-        "b", MESH, young=1.0, poisson=0.0, **{r.choice(["fix", "load", "surface", "points", "active", "strength"]): v()}
+        "b", MESH, young=1.0, poisson=0.0, **{r.choice(["fix", "load", "surface", "points", "active", "strength", "plastic", "hardening"]): v()}
     ),
     "fix": lambda r, v: model().bodies["a"].fix(v(), x=v(), normal=v()),
     "load": lambda r, v: model().bodies["a"].load(r.choice(["top", v()]), traction=v(), pressure=v()),

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 #: Parts whose names no other part may have.
 _PARTS = ("body", "contact", "section", "bar")
 #: Keys of a material that a body may have itself.
-_MATERIAL = ("young", "poisson", "thickness", "strength")
+_MATERIAL = ("young", "poisson", "thickness", "strength", "plastic", "hardening")
 #: What of a body others need to know when they are checked.
 _BASE = ("name", "mesh", "material", "points", "couple", "initial_stress", "surface")
 
@@ -387,6 +387,8 @@ class Model:
         poisson: float | str | None = None,
         thickness: float | str | None = None,
         strength: Table | None = None,
+        plastic: bool | None = None,
+        hardening: float | str | None = None,
         material: Table | Sequence[Table] | None = None,
         formulation: str | None = None,
         fix: Sequence[Table] | None = None,
@@ -410,9 +412,10 @@ class Model:
         Traceback (most recent call last):
         dotyk._errors.InputError: `young` must be positive
         """
-        given = {key: value for key, value in locals().items() if key not in ("self", *_MATERIAL)}
+        arguments = dict(locals())
+        given = {key: value for key, value in arguments.items() if key not in ("self", *_MATERIAL)}
         text_of(name, "name")
-        own = {"young": young, "poisson": poisson, "thickness": thickness, "strength": strength}
+        own = {key: arguments[key] for key in _MATERIAL}
         own = {key: value for key, value in own.items() if value is not None}
         if own and material is not None:
             raise InputError(f"body `{name}`: give `material` or {', '.join(f'`{key}`' for key in own)}, not both")

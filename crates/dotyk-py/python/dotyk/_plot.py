@@ -52,7 +52,8 @@ def plot(solution: Solution, field: str, scale: float | None) -> Any:
     length, force = (solution.units.get(key) for key in ("length", "force"))
     stress = f" [{force}/{length}²]" if force and length else ""
     length = f" [{length}]" if length else ""
-    unit = {"displacement": length, "utilisation": ""}.get(field, stress)
+    ratios = ("utilisation", "equivalent_plastic_strain", "yielded")
+    unit = length if field == "displacement" else "" if field in ratios else stress
     figure.colorbar(drawn, ax=axes, label={"von_mises": "von Mises stress"}.get(field, field) + unit, shrink=0.8)
     axes.set_title(f"displacements {scale:.3g} times as large", fontsize="medium")
     for k, contact in enumerate(contacts):
@@ -79,9 +80,10 @@ def _field(body: BodySolution, field: str) -> Any:
         return body.principal_stress[:, int(field[1]) - 1]
     if field == "displacement":
         return np.linalg.norm(body.displacement, axis=1)
-    if field in ("von_mises", "utilisation"):
+    scalars = ("von_mises", "utilisation", "equivalent_plastic_strain", "yielded")
+    if field in scalars:
         return getattr(body, field)
-    known = ", ".join(["von_mises", "utilisation", "displacement", "s1", "s2", "s3", *components])
+    known = ", ".join([*scalars, "displacement", "s1", "s2", "s3", *components])
     raise InputError(f"unknown field `{field}`; known: {known}")
 
 

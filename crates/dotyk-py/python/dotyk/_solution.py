@@ -381,6 +381,8 @@ class BodySolution(_Frozen):
     max_utilisation: float
     max_utilisation_at: list[float]
     max_utilisation_place: str | None
+    #: Where a material of the body yields: the area, in space volume, of what has a plastic strain.
+    plastic_area: float
     #: The points of its couples, where it has some.
     couples: list[dict[str, Any]]
     #: The rigid motion that is nearest to its displacements.
@@ -395,7 +397,8 @@ class BodySolution(_Frozen):
     def _array(self, key: str) -> Any:
         arrays = self._arrays()  # type: ignore[attr-defined]
         if key not in arrays:
-            raise InputError(f"body `{self.name}` has no {key}: give its material a `strength`")
+            lacks = "a `strength`" if key == "utilisation" else "a `strength` and `plastic`"
+            raise InputError(f"body `{self.name}` has no {key}: give its material {lacks}")
         return arrays[key]
 
     @property
@@ -487,6 +490,30 @@ class BodySolution(_Frozen):
         return self._array("utilisation")  # type: ignore[no-any-return]
 
     @property
+    def plastic_strain(self) -> Array:
+        """Plastic strain at the nodes, where a material of the body yields (n, 6): xx yy zz xy yz xz, tensor components.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("axisymmetric")
+        >>> mesh = dotyk.rectangle([0, 0], [1, 2], cells=[2, 4], cell="quad8")
+        >>> bar = m.body("bar", mesh, young=200, poisson=0.3, strength={"yield": 1}, plastic=True, hardening=10)
+        >>> s = bar.fix("bottom", y=0).load("top", traction=[0, 1.5]) and m.solve()
+        >>> [float(round(strain, 6)) for strain in s.bodies["bar"].plastic_strain[0, :3]]
+        [-0.025, 0.05, -0.025]
+        """
+        return self._array("plastic_strain")  # type: ignore[no-any-return]
+
+    @property
+    def equivalent_plastic_strain(self) -> Array:
+        """Equivalent plastic strain at the nodes, where a material of the body yields (n,): the sum of sqrt(2/3 de:de) over all steps."""
+        return self._array("equivalent_plastic_strain")  # type: ignore[no-any-return]
+
+    @property
+    def yielded(self) -> Array:
+        """Part of the cells around each node that has yielded in this step, where a material of the body yields (n,), in [0, 1]."""
+        return self._array("yielded")  # type: ignore[no-any-return]
+
+    @property
     def reactions(self) -> Array:
         """Forces of supports and springs ON the nodes (n, 2 or 3).
 
@@ -528,7 +555,10 @@ class BodySolution(_Frozen):
         fields = arrays_of(self._vtu())  # type: ignore[attr-defined]
         own = self._arrays()  # type: ignore[attr-defined]
         count = len(own["points"])
-        jumping = ("stress", "strain", "von_mises", "principal_stress", "utilisation")
+        jumping = (
+            *("stress", "strain", "von_mises", "principal_stress", "utilisation"),
+            *("plastic_strain", "equivalent_plastic_strain", "yielded"),
+        )
         return {name: own[name] if name in jumping and name in own else values[:count] for name, values in fields.items()}
 
     def to_meshio(self) -> Any:

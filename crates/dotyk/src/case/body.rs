@@ -10,7 +10,7 @@ use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::points::{places, points};
 use crate::case::spring::springs as springs_of;
 use crate::case::steps::Steps;
-use crate::case::strength::strength;
+use crate::case::strength::{plastic, strength};
 use crate::case::suggest::{listed, nearest};
 use crate::case::surface::true_surface;
 use crate::geometry::Field;
@@ -176,10 +176,12 @@ fn material(node: &Node, body: &str, groups: &[&str]) -> Result<(Material, f64),
     if let (Some(group), Some(node)) = (&group, table.get("group")) {
         known_group(group, &node.span, body, groups)?;
     }
+    let strength = table.get("strength").map(strength).transpose()?;
     let material = Material {
         group,
         elastic: Elastic { young, poisson },
-        strength: table.get("strength").map(strength).transpose()?,
+        plastic: plastic(table, strength.as_ref())?,
+        strength,
     };
     Ok((material, thickness))
 }

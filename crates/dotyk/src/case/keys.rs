@@ -135,7 +135,17 @@ pub const REFINE: &[&str] = &["at", "size", "radius"];
 /// One side of `mesh.sides`.
 pub const PATCH: &[&str] = &["of", "min", "max"];
 /// `material` of a body, or one element of its list.
-pub const MATERIAL: &[&str] = &["young", "poisson", "thickness", "group", "strength"];
+pub const MATERIAL: &[&str] = &[
+    "young",
+    "poisson",
+    "thickness",
+    "group",
+    "strength",
+    "plastic",
+    "hardening",
+    "dilation",
+    "unload",
+];
 /// `strength` of a material.
 pub const STRENGTH: &[&str] = &[
     "yield",

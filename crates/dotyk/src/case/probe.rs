@@ -107,6 +107,7 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
             .help(format!("add one of {}", listed(known))),
         Mistake::TooLong => fault.label("ends too late"),
         Mistake::NoStrength => fault.label("nothing to compare the stress with"),
+        Mistake::NotPlastic => fault.label("nothing yields"),
     }
 }
 

@@ -1,7 +1,7 @@
 //! A case as a run: solved step by step, with what stands where a step has no answer.
 
 use crate::case::{Case, CaseError};
-use crate::model::{Error, Solution, told_in_steps};
+use crate::model::{Error, Objection, Solution, told_in_steps};
 use std::fmt;
 
 /// What came of a case.
@@ -24,6 +24,8 @@ pub struct Failure {
     pub time: f64,
     /// Why, in words.
     pub reason: String,
+    /// The part of it that the bodies can bear, where that is known.
+    pub carried: Option<f64>,
     /// What is wrong with the input; `None` where the iteration did not converge.
     pub refusal: Option<CaseError>,
 }
@@ -36,6 +38,7 @@ impl<const D: usize> Case<D> {
             step: steps.len() + 1,
             time: times.get(steps.len()).copied().unwrap_or(f64::NAN),
             reason,
+            carried: None,
             refusal,
         };
         let (mut steps, failure) = match solved {
@@ -45,7 +48,10 @@ impl<const D: usize> Case<D> {
                 solution,
                 earlier: mut steps,
             }) => {
-                let failure = failed(&steps, reason.to_string(), None);
+                let mut failure = failed(&steps, reason.to_string(), None);
+                if let Objection::Yields { carried, .. } = *reason {
+                    failure.carried = Some(carried);
+                }
                 steps.push(*solution);
                 (steps, Some(failure))
             }

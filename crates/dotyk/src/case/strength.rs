@@ -5,7 +5,7 @@ use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::listed;
 use crate::fem::FemError;
-use crate::model::Strength;
+use crate::model::{Plastic, Strength};
 
 /// The criteria: name, keys that must be there, keys that may.
 const CRITERIA: [(&str, &[&str], &[&str]); 4] = [
@@ -68,6 +68,42 @@ pub(crate) fn strength(node: &Node) -> Result<Strength, Fault> {
         .check()
         .map_err(|error| out_of_range(&error, table))?;
     Ok(strength)
+}
+
+/// How a material with a strength yields, if it does: `plastic`, and what goes with it.
+pub(crate) fn plastic(
+    table: Table<'_>,
+    strength: Option<&Strength>,
+) -> Result<Option<Plastic>, Fault> {
+    let yields = table.get("plastic").map(Node::boolean).transpose()?;
+    for key in ["dilation", "unload"] {
+        if let Some(node) = table.get(key) {
+            let message = format!("`{key}` is not supported yet");
+            return Err(Fault::new(&node.span, message)
+                .label("of ground that yields")
+                .help("so far metals yield, by von Mises' criterion with `hardening`"));
+        }
+    }
+    let hardening = table.get("hardening");
+    let (Some(true), Some(node)) = (yields, table.get("plastic")) else {
+        return match hardening {
+            Some(node) => Err(Fault::new(
+                &node.span,
+                "`hardening` of a material that does not yield",
+            )
+            .label("without `plastic = true`")
+            .help("add `plastic = true`, or leave `hardening` out")),
+            None => Ok(None),
+        };
+    };
+    let plastic = Plastic {
+        hardening: hardening.map_or(Ok(0.0), Node::number)?,
+    };
+    match plastic.check(strength) {
+        Ok(()) => Ok(Some(plastic)),
+        Err(error @ FemError::Material { .. }) => Err(out_of_range(&error, table)),
+        Err(error) => Err(Fault::new(&node.span, error.to_string()).label("yields by which law?")),
+    }
 }
 
 /// A constant that is out of range, at its place.

@@ -132,6 +132,7 @@ pub(super) mod tests {
                 group: None,
                 elastic,
                 strength: None,
+                plastic: None,
             }],
             thickness: 1.0,
             body_force: std::array::from_fn(|_| Field::constant(0.0)),

@@ -66,6 +66,9 @@ const OPEN_LIMIT: f64 = 1e-2;
 /// Limit of the penetration between nodes, in depths that the meshes can resolve.
 pub const BETWEEN_LIMIT: f64 = 10.0;
 
+/// Limit of what is beyond the yield stress, and of work that plastic strain gains: both are rounding of the return.
+const YIELD_LIMIT: f64 = 1e-10;
+
 /// A gap is known to this part of the numbers that it is a difference of.
 pub(crate) const ROUNDING: f64 = 4e-15;
 
@@ -123,16 +126,52 @@ pub struct Certificate {
     pub between_nodes: Figure,
     /// Deepest overlap of the deformed bodies beyond the one at first, a length; relative to what is explained. Not asked: zero.
     pub overlap: Figure,
+    /// What is asked of bodies that yield; `None` where none may.
+    pub yields: Option<OfYield>,
+}
+
+/// Figures of bodies that yield, found from displacements and plastic strains.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OfYield {
+    /// Largest nodal force that the stress leaves unbalanced, over the largest force of a cell on a node.
+    pub equilibrium: Figure,
+    /// Largest stress beyond what the material bears, over the largest stress before anything yielded.
+    pub yield_violation: Figure,
+    /// Work that plastic strain has gained where it must dissipate, over the elastic energy.
+    pub flow: Figure,
+}
+
+impl OfYield {
+    /// From what is left unbalanced, and the largest force, with the limit; the largest stress beyond the yield stress, and its scale;
+    /// and gained work, with its own.
+    pub fn new(
+        ([left, force], tolerance): ([f64; 2], f64),
+        [beyond, trial]: [f64; 2],
+        [gained, energy]: [f64; 2],
+    ) -> Self {
+        Self {
+            equilibrium: Figure::new(left, force, tolerance),
+            yield_violation: Figure::new(beyond.max(0.0), trial, YIELD_LIMIT),
+            flow: Figure::new(gained.max(0.0), energy, YIELD_LIMIT),
+        }
+    }
 }
 
 /// Names of the figures that no contact solver can change.
-pub(crate) const NOT_OF_THE_SOLVER: [&str; 3] = ["rounding", "between_nodes", "overlap"];
+pub(crate) const NOT_OF_THE_SOLVER: [&str; 6] = [
+    "rounding",
+    "between_nodes",
+    "overlap",
+    "equilibrium",
+    "yield_violation",
+    "flow",
+];
 
 impl Certificate {
     /// The figures with their names in `summary.json`, in its order.
-    pub fn figures(&self) -> [(&'static str, Figure); 11] {
-        let [rounding, between_nodes, overlap] = NOT_OF_THE_SOLVER;
-        [
+    pub fn figures(&self) -> Vec<(&'static str, Figure)> {
+        let [rounding, between_nodes, overlap, ..] = NOT_OF_THE_SOLVER;
+        let mut figures = vec![
             ("penetration", self.penetration),
             ("tension", self.tension),
             ("complementarity", self.complementarity),
@@ -144,7 +183,16 @@ impl Certificate {
             (rounding, self.rounding),
             (between_nodes, self.between_nodes),
             (overlap, self.overlap),
-        ]
+        ];
+        if let Some(own) = self.yields {
+            let [.., equilibrium, yield_violation, flow] = NOT_OF_THE_SOLVER;
+            figures.extend([
+                (equilibrium, own.equilibrium),
+                (yield_violation, own.yield_violation),
+                (flow, own.flow),
+            ]);
+        }
+        figures
     }
 
     /// Every figure is within its limit.
@@ -524,6 +572,7 @@ impl DualProblem {
             rounding: found.open.figure(OPEN_LIMIT),
             between_nodes: Figure::new(depth, resolved, BETWEEN_LIMIT),
             overlap: Figure::new(0.0, 0.0, 1.0),
+            yields: None,
         }
     }
 

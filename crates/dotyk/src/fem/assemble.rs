@@ -137,6 +137,7 @@ pub(crate) fn assemble_after<const D: usize>(
         });
     }
     check_formulation(body, analysis)?;
+    body.check_plastic(analysis)?;
     if let Some(why) = body.initial.unfit(analysis) {
         return Err(FemError::Initial { why });
     }
@@ -222,9 +223,16 @@ impl Driving {
             largest: largest_load,
             rounding,
         } = nodal_loads((body, history), analysis, time)?;
+        let part = 1.0 - history.left_out;
+        load.iter_mut().for_each(|force| *force *= part);
+        if let Some(yielded) = &history.yielded {
+            let plastic = yielded.forces(body, analysis)?;
+            let sums = load.iter_mut().zip(plastic.as_flattened());
+            sums.for_each(|(sum, force)| *sum += force);
+        }
         let mut prescribed = vec![0.0; load.len()];
         for (dof, value) in held_dofs(constraints, frames) {
-            prescribed[dof] = value;
+            prescribed[dof] = part * value;
         }
         for (_, came) in spring_loads((body, history), analysis)? {
             load.iter_mut()
@@ -236,6 +244,7 @@ impl Driving {
             true => carried_motion(&body.mesh, constraints, RigidBasis::of(analysis)),
             false => vec![0.0; load.len()],
         };
+        carried.iter_mut().for_each(|u| *u *= part);
         into_frames(frames, &mut load);
         into_frames(frames, &mut carried);
         // what is rounding of an initial stress and its loads moves nothing
@@ -246,7 +255,7 @@ impl Driving {
         let mut lift = vec![0.0; load.len()];
         let largest = prescribed.iter().fold(0.0f64, |l, v| l.max(v.abs()));
         for (dof, value) in held_dofs(constraints, frames) {
-            let rest = value - carried[dof];
+            let rest = part * value - carried[dof];
             // exactly zero where only rounding is left
             if rest.abs() > 1e-13 * largest {
                 lift[dof] = rest;
@@ -323,6 +332,14 @@ impl<const D: usize> BodySystem<D> {
             modes: (0..dofs).filter(|&i| !held[i]).map(unit).collect(),
             held,
             history: History::default(),
+        }
+    }
+
+    /// A part of its load, and of what is prescribed: of a rigid part.
+    pub(crate) fn scale(&mut self, part: f64) {
+        let vectors = [&mut self.load, &mut self.prescribed, &mut self.carried];
+        for value in vectors.into_iter().flatten() {
+            *value *= part;
         }
     }
 

@@ -214,7 +214,11 @@ impl<'a, const D: usize> Ahead<'a, D> {
             body,
             analysis,
             time,
-            cells: CellForces::new((body, analysis), displacement, time)?,
+            cells: CellForces::new(
+                (body, analysis),
+                (displacement, history.yielded.as_deref()),
+                time,
+            )?,
             displacement,
             loads,
             springs,

@@ -139,6 +139,12 @@ pub enum FemError {
         /// Admissible values.
         range: &'static str,
     },
+    /// A material that yields where that is not possible.
+    #[error("`plastic` {why}")]
+    Plastic {
+        /// What it lacks, and what to do.
+        why: &'static str,
+    },
     /// A plane analysis in space, or the other way round.
     #[error("analysis \"{analysis}\" does not fit {dimension} dimensions")]
     Dimension {

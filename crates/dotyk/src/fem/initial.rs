@@ -371,7 +371,7 @@ fn known_area<const D: usize>(body: &Body<D>, analysis: Analysis, cell: &[u32]) 
 }
 
 /// σ·g of a stress and a gradient.
-fn along<const D: usize>(stress: [f64; 6], gradient: [f64; D]) -> Point<D> {
+pub(crate) fn along<const D: usize>(stress: [f64; 6], gradient: [f64; D]) -> Point<D> {
     std::array::from_fn(|i| (0..D).map(|j| stress[PLACE[i][j]] * gradient[j]).sum())
 }
 

@@ -9,7 +9,8 @@ use crate::fem::cells::CellTable;
 use crate::fem::error::FemError;
 use crate::fem::initial::PLACE;
 use crate::fem::nouns::{Analysis, Body};
-use crate::geometry::{Point, add_scaled};
+use crate::fem::plastic::{Strained, Yielded, add_cell, plastic_stress};
+use crate::geometry::{Point, add_scaled, distance};
 use crate::mesh::MAX_CELL_NODES;
 use rayon::prelude::*;
 
@@ -48,9 +49,11 @@ pub(crate) fn internal_forces<const D: usize>(
     Ok((forces, energy))
 }
 
-/// Internal forces of single cells, those of the total stress: of the displacements, and of σ₀ − Cε₀. What cuts through a
+/// Internal forces of single cells, those of the total stress: of the displacements, and of σ₀ − C(ε₀ + ε_p). What cuts through a
 /// body are in equilibrium with.
 pub(crate) struct CellForces<'a, const D: usize> {
+    /// What has yielded in each block, where something has.
+    yielded: Option<Vec<&'a [Strained]>>,
     /// With the rule of the stiffness, and that which initial stresses and strains are integrated with.
     blocks: Vec<[Cells<'a, D>; 2]>,
     body: &'a Body<D>,
@@ -62,7 +65,7 @@ impl<'a, const D: usize> CellForces<'a, D> {
     /// Those of a body with these nodal displacements at a time. Errors: a group of cells without a material.
     pub fn new(
         (body, analysis): (&'a Body<D>, Analysis),
-        displacement: &'a [Point<D>],
+        (displacement, yielded): (&'a [Point<D>], Option<&'a Yielded>),
         time: f64,
     ) -> Result<Self, FemError> {
         let blocks = body.mesh.blocks().iter().map(|block| {
@@ -70,7 +73,9 @@ impl<'a, const D: usize> CellForces<'a, D> {
             let initial = cells.for_initial(block);
             Ok([cells, initial])
         });
+        let yielded = yielded.map(|yielded| yielded.of_blocks(body, analysis));
         Ok(Self {
+            yielded: yielded.transpose()?,
             blocks: blocks.collect::<Result<_, _>>()?,
             body,
             displacement,
@@ -86,7 +91,20 @@ impl<'a, const D: usize> CellForces<'a, D> {
         let own = &mut forces[..nodes.len()];
         let initial = &self.body.initial;
         initial.add_cell(of_initial, (nodes, self.time), own)?;
+        if let Some(points) = self.plastic(block, cell) {
+            let mut less = [[0.0; D]; MAX_CELL_NODES];
+            add_cell(cells, nodes, points, &mut less[..nodes.len()]);
+            let both = forces.iter_mut().zip(less);
+            both.for_each(|(force, less)| *force = add_scaled(*force, -1.0, less));
+        }
         Ok(forces)
+    }
+
+    /// Plastic strains of a cell at the points of its stiffness.
+    fn plastic(&self, block: usize, cell: usize) -> Option<&'a [Strained]> {
+        let count = self.blocks[block][0].table.len();
+        let all = self.yielded.as_ref()?[block];
+        Some(&all[cell * count..(cell + 1) * count])
     }
 
     /// Total hoop stress in a part of a cell, or in all of it as its forces are integrated: place, volume and stress at
@@ -107,12 +125,22 @@ impl<'a, const D: usize> CellForces<'a, D> {
             Some(rule) => [rule.clone(), rule.clone()],
             None => [cells.table.rule(), of_initial.table.rule()],
         };
+        // in a part of a cell the plastic strain is that of the nearest point
+        let points = self
+            .plastic(block, cell)
+            .map(|own| (cells.table.rule(), own));
+        let hoop = |xi: &[f64; 3]| {
+            let (rule, own) = points.as_ref()?;
+            let apart = |k: &usize| distance(rule[*k].0, *xi);
+            let nearest = (0..rule.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+            Some(plastic_stress(law.0, law.1, &own[nearest])[2])
+        };
         let cells = cells.at(CellTable::at(kind, &elastic));
         let mut all = Vec::new();
-        for q in 0..elastic.len() {
+        for (q, (xi, _)) in elastic.iter().enumerate() {
             let at = cells.deformation(q, (nodes, &[]), self.displacement);
             let stress = cells.lame.stress(at.gradient, at.hoop)[2];
-            all.push((at.point, at.volume, stress));
+            all.push((at.point, at.volume, stress - hoop(xi).unwrap_or(0.0)));
         }
         let cells = cells.at(CellTable::at(kind, &initial));
         for q in 0..initial.len() {

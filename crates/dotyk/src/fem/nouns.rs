@@ -3,6 +3,7 @@
 use crate::fem::couple::Couple;
 use crate::fem::initial::Initial;
 use crate::fem::loads::Load;
+use crate::fem::plastic::{Plastic, Yielded};
 use crate::fem::springs::Spring;
 use crate::fem::strength::Strength;
 use crate::geometry::{Field, Point, Surface};
@@ -58,8 +59,10 @@ pub struct Material {
     pub group: Option<String>,
     /// The law.
     pub elastic: Elastic,
-    /// What it can bear, where that is asked for; it changes nothing else.
+    /// What it can bear, where that is asked for; it changes nothing else, unless the material is plastic.
     pub strength: Option<Strength>,
+    /// How it yields where its stress reaches its strength; `None`: it stays elastic.
+    pub plastic: Option<Plastic>,
 }
 
 /// Where a support holds: a whole side, or the node nearest to a point.
@@ -169,6 +172,11 @@ pub(crate) struct History<const D: usize> {
     pub sprung: BTreeMap<usize, Arc<[Point<D>]>>,
     /// Forces (nodes,) of bodies that have gone, each with what is left of it at a time.
     pub released: Vec<(Arc<[Point<D>]>, Field)>,
+    /// What has yielded of it, `None` where nothing has.
+    pub yielded: Option<Arc<Yielded>>,
+    /// What is left out of its loads and prescribed displacements, of all of them: zero, but where the part is looked for that it
+    /// can bear.
+    pub left_out: f64,
 }
 
 /// One elastic body.

@@ -16,8 +16,9 @@
 use crate::fem::borders::Borders;
 use crate::fem::cells::CellTable;
 use crate::fem::error::FemError;
-use crate::fem::nouns::Body;
+use crate::fem::nouns::{Body, Material};
 use crate::fem::strength::Strength;
+use crate::fem::stress::von_mises;
 use crate::mesh::{CellBlock, CellKind, MAX_CELL_NODES, Mesh};
 use rayon::prelude::*;
 
@@ -32,13 +33,15 @@ pub(crate) struct Overstress {
 }
 
 /// Utilisation and overstressed area of a body whose recovered total stress is `stress` (places,); `None` where no material has
-/// a strength.
+/// a strength. What yields has no more than the yield stress at its points, which has `grown` with the equivalent plastic strain
+/// (places,) given there: it is not overstressed.
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn overstress<const D: usize>(
     body: &Body<D>,
     borders: &Borders,
     stress: &[[f64; 6]],
+    grown: Option<&[f64]>,
 ) -> Result<Option<Overstress>, FemError> {
     if body.materials.iter().all(|m| m.strength.is_none()) {
         return Ok(None);
@@ -49,13 +52,41 @@ pub(crate) fn overstress<const D: usize>(
         whole: 0.0,
     };
     for (index, block) in body.mesh.blocks().iter().enumerate() {
-        if let Some(strength) = body.material(block)?.strength {
-            let place = |&node: &u32| borders.place(index, node as usize);
-            let places: Vec<usize> = block.nodes.iter().map(place).collect();
-            found.add(&body.mesh, (block, &places), strength, stress);
+        let Material {
+            strength: Some(strength),
+            plastic,
+            ..
+        } = *body.material(block)?
+        else {
+            continue;
+        };
+        let place = |&node: &u32| borders.place(index, node as usize);
+        let places: Vec<usize> = block.nodes.iter().map(place).collect();
+        match (plastic, strength) {
+            (Some(plastic), Strength::VonMises { yield_stress }) => {
+                let grown = |place: usize| grown.map_or(0.0, |grown| grown[place]);
+                found.whole += extent(&body.mesh, block);
+                for place in places {
+                    let now = yield_stress + plastic.hardening * grown(place);
+                    let own = (von_mises(stress[place]) / now).min(1.0);
+                    let known = &mut found.utilisation[place];
+                    *known = known.max(own);
+                }
+            }
+            _ => found.add(&body.mesh, (block, &places), strength, stress),
         }
     }
     Ok(Some(found))
+}
+
+/// Area of the cells of a block, in space volume.
+fn extent<const D: usize>(mesh: &Mesh<D>, block: &CellBlock) -> f64 {
+    let table = CellTable::<D>::new(block.kind, 2 * block.kind.order());
+    let of_cell = |cell: &[u32]| -> f64 {
+        let at = |local: usize| mesh.points()[cell[local] as usize];
+        (0..table.len()).map(|q| table.map(q, at).2).sum()
+    };
+    block.cells().map(of_cell).sum()
 }
 
 impl Overstress {
@@ -279,7 +310,7 @@ mod tests {
             .iter()
             .map(|p| [p[0], 0.0, 0.0, 0.0, 0.0, 0.0])
             .collect();
-        overstress(&body, &Borders::of(&body).unwrap(), &stress)
+        overstress(&body, &Borders::of(&body).unwrap(), &stress, None)
             .unwrap()
             .unwrap()
     }
@@ -384,6 +415,7 @@ mod tests {
                 poisson: 0.0,
             },
             strength: yield_stress.map(|yield_stress| Strength::VonMises { yield_stress }),
+            plastic: None,
         };
         let mut body = body(groups());
         let u: Vec<Point<2>> = body.mesh.points().iter().map(|x| [x[0], 0.0]).collect();
@@ -391,7 +423,7 @@ mod tests {
             body.materials = vec![material("a", a.0, a.1), material("b", b.0, b.1)];
             let plane = Analysis::PlaneStress;
             let stress = crate::fem::recover_stress(&body, plane, &u, 1.0).unwrap();
-            overstress(&body, &Borders::of(&body).unwrap(), &stress).unwrap()
+            overstress(&body, &Borders::of(&body).unwrap(), &stress, None).unwrap()
         };
         // nodes 1 and 4 lie between the groups, and are there again behind the six
         let near = |found: &[f64], expected: [f64; 8]| {

@@ -4,7 +4,8 @@
 //! corners drawn towards the centre: three points in a quadratic triangle, four in a quadratic tetrahedron, 2 × 2 (× 2) in
 //! quadrilaterals and hexahedra, 3 × 2 in prisms), extrapolated to the
 //! nodes by the linear function through the samples and averaged there with the cells' volumes, those of each material by
-//! themselves.
+//! themselves. Where something has yielded the stress is known at the points of the stiffness: these are the samples, and the linear
+//! function is the one nearest to them.
 
 use crate::fem::block::{Cells, Deformation};
 use crate::fem::borders::Borders;
@@ -13,7 +14,10 @@ use crate::fem::elasticity::Lame;
 use crate::fem::error::FemError;
 use crate::fem::loads::points_within;
 use crate::fem::nouns::{Analysis, Body};
+use crate::fem::plastic::{Yielded, plastic_stress};
 use crate::geometry::Point;
+use crate::linalg::Mat;
+use crate::linalg::dense::{cholesky_in_place, solve_cholesky_in_place};
 use crate::mesh::{CellKind, Mesh};
 use rayon::prelude::*;
 
@@ -28,12 +32,38 @@ pub fn recover_stress<const D: usize>(
     displacement: &[Point<D>],
     time: f64,
 ) -> Result<Vec<[f64; 6]>, FemError> {
-    let local = |lame: Lame, here: &Deformation<D>| {
+    recover_yielded_stress((body, analysis), displacement, time, None)
+}
+
+/// The same of a body of which this has yielded.
+///
+/// Errors: those of [`recover_stress`].
+pub(crate) fn recover_yielded_stress<const D: usize>(
+    (body, analysis): (&Body<D>, Analysis),
+    displacement: &[Point<D>],
+    time: f64,
+    yielded: Option<&Yielded>,
+) -> Result<Vec<[f64; 6]>, FemError> {
+    let plastic = yielded.map(|yielded| yielded.of_blocks(body, analysis));
+    let plastic = plastic.transpose()?;
+    let local = |lame: Lame, at: Sample, here: &Deformation<D>| {
         let less = body.initial.of_strain((lame, analysis), here.point, time)?;
-        Ok(sum(lame.stress(here.gradient, here.hoop), less))
+        let stress = sum(lame.stress(here.gradient, here.hoop), less);
+        Ok(match &plastic {
+            Some(points) => {
+                let less = plastic_stress(lame, analysis, &points[at.block][at.place]);
+                std::array::from_fn(|c| stress[c] - less[c])
+            }
+            None => stress,
+        })
     };
     let borders = Borders::of(body)?;
-    let mut stress = recover(body, analysis, (displacement, time), local, &borders)?;
+    let samples = match plastic {
+        Some(_) => Samples::OfStiffness,
+        None => Samples::Best,
+    };
+    let state = (displacement, time);
+    let mut stress = recover((body, analysis), state, samples, local, &borders)?;
     if body.initial.stress.is_some() {
         for (stress, node) in stress.iter_mut().zip(borders.nodes()) {
             let point = body.mesh.points()[node];
@@ -43,7 +73,8 @@ pub fn recover_stress<const D: usize>(
     Ok(stress)
 }
 
-fn sum(a: [f64; 6], b: [f64; 6]) -> [f64; 6] {
+/// a + b.
+pub(crate) fn sum(a: [f64; 6], b: [f64; 6]) -> [f64; 6] {
     std::array::from_fn(|c| a[c] + b[c])
 }
 
@@ -56,9 +87,10 @@ pub fn recover_strain<const D: usize>(
     displacement: &[Point<D>],
     time: f64,
 ) -> Result<Vec<[f64; 6]>, FemError> {
-    let local = |lame: Lame, here: &Deformation<D>| Ok(lame.strain(here.gradient, here.hoop));
-    let state = (displacement, time);
-    recover(body, analysis, state, local, &Borders::of(body)?)
+    let local =
+        |lame: Lame, _: Sample, here: &Deformation<D>| Ok(lame.strain(here.gradient, here.hoop));
+    let (state, borders) = ((displacement, time), Borders::of(body)?);
+    recover((body, analysis), state, Samples::Best, local, &borders)
 }
 
 /// Recovered rotation vector at every place, radians, as [`recover_stress`]; in the plane its third component.
@@ -71,10 +103,10 @@ pub fn recover_spin<const D: usize>(
     time: f64,
 ) -> Result<Vec<[f64; 3]>, FemError> {
     let spins = recover(
-        body,
-        analysis,
+        (body, analysis),
         (displacement, time),
-        |_, Deformation { gradient, .. }| {
+        Samples::Best,
+        |_, _, Deformation { gradient, .. }| {
             let of = |i: usize, j: usize| match i.max(j) < D {
                 true => 0.5 * (gradient[j][i] - gradient[i][j]),
                 false => 0.0,
@@ -89,35 +121,116 @@ pub fn recover_spin<const D: usize>(
         .collect())
 }
 
-/// Values of what is `local` to a material and a deformation, at every place.
+/// What has yielded at every place of a body.
+pub(crate) struct YieldedFields {
+    /// Plastic strain, xx yy zz xy yz xz, tensor components.
+    pub strain: Vec<[f64; 6]>,
+    /// Equivalent plastic strain.
+    pub equivalent: Vec<f64>,
+    /// Share of points around at which that has grown.
+    pub share: Vec<f64>,
+}
+
+/// What has yielded of a body, and since `before`, as [`recover_stress`]; shares are means over cells.
+///
+/// Errors: a group of cells without a material.
+pub(crate) fn recover_yielded<const D: usize>(
+    (body, analysis): (&Body<D>, Analysis),
+    yielded: &Yielded,
+    before: Option<&Yielded>,
+) -> Result<YieldedFields, FemError> {
+    let borders = Borders::of(body)?;
+    let still = vec![[0.0; D]; body.mesh.points().len()];
+    let points = yielded.of_blocks(body, analysis)?;
+    let before = before.map(|before| before.of_blocks(body, analysis));
+    let before = before.transpose()?;
+    let of_points = |samples: Samples, value: &(dyn Fn(Sample) -> [f64; 6] + Sync)| {
+        let local = |_: Lame, at: Sample, _: &Deformation<D>| Ok(value(at));
+        recover((body, analysis), (&still, 0.0), samples, local, &borders)
+    };
+    let equivalent = |at: Sample| points[at.block][at.place][6];
+    let grown = |at: Sample| {
+        let then = before.as_ref();
+        let then = then.map_or(0.0, |before| before[at.block][at.place][6]);
+        f64::from(u8::from(equivalent(at) > then))
+    };
+    let first = |values: Vec<[f64; 6]>| -> Vec<f64> { values.iter().map(|own| own[0]).collect() };
+    let strain = of_points(Samples::OfStiffness, &|at| {
+        std::array::from_fn(|c| points[at.block][at.place][c])
+    })?;
+    let sizes = of_points(Samples::OfStiffness, &|at| [equivalent(at); 6])?;
+    let share = of_points(Samples::MeansOfStiffness, &|at| [grown(at); 6])?;
+    Ok(YieldedFields {
+        strain,
+        // beside the border of what has yielded a linear function may swing
+        equivalent: first(sizes).into_iter().map(|own| own.max(0.0)).collect(),
+        share: first(share),
+    })
+}
+
+/// Where in a cell something is sampled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Samples {
+    /// Where elastic stresses are most accurate.
+    Best,
+    /// At the points of the stiffness.
+    OfStiffness,
+    /// There, and the mean counts for all of the cell.
+    MeansOfStiffness,
+}
+
+/// One of the samples of a block.
+#[derive(Debug, Clone, Copy)]
+struct Sample {
+    block: usize,
+    /// Its place among those of the block.
+    place: usize,
+}
+
+/// Values of what is `local` to a material, a sample and a deformation, at every place.
 fn recover<const D: usize>(
-    body: &Body<D>,
-    analysis: Analysis,
+    (body, analysis): (&Body<D>, Analysis),
     (displacement, time): (&[Point<D>], f64),
-    local: impl Fn(Lame, &Deformation<D>) -> Result<[f64; 6], FemError> + Sync,
+    samples_at: Samples,
+    local: impl Fn(Lame, Sample, &Deformation<D>) -> Result<[f64; 6], FemError> + Sync,
     borders: &Borders,
 ) -> Result<Vec<[f64; 6]>, FemError> {
     let mut sums = vec![[0.0; 7]; borders.count()];
     for (index, block) in body.mesh.blocks().iter().enumerate() {
         let whole = Cells::new(body, block, analysis, body.formulation)?;
         let of_initial = whole.for_initial(block);
-        let table = CellTable::at(block.kind, &sampling_points(block.kind));
+        let rule = match samples_at {
+            Samples::Best => sampling_points(block.kind),
+            Samples::OfStiffness | Samples::MeansOfStiffness => whole.table.rule(),
+        };
+        let table = CellTable::at(block.kind, &rule);
         let own = whole.at(table.formulated(block.kind, body.formulation));
         let count = own.table.len();
-        let extrapolation = extrapolation(block.kind);
+        let extrapolation = match samples_at {
+            Samples::Best => extrapolation(block.kind),
+            Samples::OfStiffness => nearest_linear(block.kind, &rule),
+            Samples::MeansOfStiffness => means(block.kind, &rule),
+        };
         let k = block.kind.nodes();
         // each cell writes its own slice: (stress, volume) of its samples; the gather below is in cell order
         let mut samples = vec![[0.0; 7]; count * (block.nodes.len() / k)];
         samples
             .par_chunks_mut(count * CHUNK)
             .zip(block.nodes.par_chunks(k * CHUNK))
-            .try_for_each(|(out, cells)| {
-                for (out, cell) in out.chunks_exact_mut(count).zip(cells.chunks_exact(k)) {
+            .enumerate()
+            .try_for_each(|(chunk, (out, cells))| {
+                let cells = out.chunks_exact_mut(count).zip(cells.chunks_exact(k));
+                for (number, (out, cell)) in cells.enumerate() {
+                    let first = (chunk * CHUNK + number) * count;
                     let held = body.initial.held_modes(&of_initial, (cell, time))?;
                     let modes = whole.modes(cell, displacement, &held);
                     for (q, sample) in out.iter_mut().enumerate() {
                         let here = own.deformation(q, (cell, &modes), displacement);
-                        sample[..6].copy_from_slice(&local(own.lame, &here)?);
+                        let at = Sample {
+                            block: index,
+                            place: first + q,
+                        };
+                        sample[..6].copy_from_slice(&local(own.lame, at, &here)?);
                         sample[6] = here.volume;
                     }
                 }
@@ -186,6 +299,39 @@ fn extrapolation(kind: CellKind) -> Vec<Vec<f64>> {
             &mut shape,
         );
         shape
+    };
+    kind.reference_nodes().iter().map(weights).collect()
+}
+
+/// Weights of samples at the points of a rule, at each node of the cell: those of their mean.
+fn means(kind: CellKind, rule: &[([f64; 3], f64)]) -> Vec<Vec<f64>> {
+    let whole: f64 = rule.iter().map(|(_, weight)| weight).sum();
+    let mean: Vec<f64> = rule.iter().map(|(_, weight)| weight / whole).collect();
+    vec![mean; kind.nodes()]
+}
+
+/// Weights of samples at the points of a rule, at each node of the cell: those of the linear function that is nearest to them by
+/// least squares, or of their mean where they are too few for one.
+fn nearest_linear(kind: CellKind, rule: &[([f64; 3], f64)]) -> Vec<Vec<f64>> {
+    let linear = kind.domain().linear();
+    let n = linear.nodes();
+    let shapes = |xi: &[f64; 3]| {
+        let mut shape = vec![0.0; n];
+        linear.shape(xi, &mut shape);
+        shape
+    };
+    let samples: Vec<Vec<f64>> = rule.iter().map(|(xi, _)| shapes(xi)).collect();
+    let product = |i: usize, j: usize| samples.iter().map(|s| s[i] * s[j]).sum();
+    let mut normal = Mat::from_fn(n, n, product);
+    if samples.len() < n || cholesky_in_place(&mut normal).is_err() {
+        return means(kind, rule);
+    }
+    let weights = |xi: &[f64; 3]| {
+        let mut of_corners = shapes(xi);
+        solve_cholesky_in_place(&normal, &mut of_corners);
+        let each = samples.iter();
+        each.map(|s| s.iter().zip(&of_corners).map(|(s, c)| s * c).sum())
+            .collect()
     };
     kind.reference_nodes().iter().map(weights).collect()
 }

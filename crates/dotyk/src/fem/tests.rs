@@ -46,6 +46,7 @@ pub(super) fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
             group: None,
             elastic: ELASTIC,
             strength: None,
+            plastic: None,
         }],
         thickness: 1.0,
         body_force: std::array::from_fn(|_| Field::constant(0.0)),
@@ -203,6 +204,7 @@ fn each_group_has_the_first_material_that_is_given_for_it() {
         group: group.map(str::to_string),
         elastic: elastic(young),
         strength: None,
+        plastic: None,
     };
     let mut body = body(groups());
     body.materials = vec![
@@ -1441,6 +1443,7 @@ fn stress_of_a_material_is_its_own_and_the_mean_by_volume_between_its_cells() {
             poisson: 0.0,
         },
         strength: None,
+        plastic: None,
     };
     let mut body = body(groups());
     body.materials = vec![material("a", 3.0), material("b", 9.0)];

@@ -8,11 +8,13 @@ use crate::output::deformed::deformed_figure;
 use crate::output::html::figure;
 use crate::output::interface::interface_figure;
 use crate::output::markup::Markup;
+use crate::output::picture::Picture;
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::space;
 use crate::output::text::count;
-use crate::output::utilisation::utilisation_figure;
+use crate::output::utilisation::utilisation_picture;
+use crate::output::yielding::yielding_picture;
 use std::any::Any;
 
 /// What draws a model.
@@ -70,14 +72,30 @@ impl<'a> Figures<'a> {
 
     /// The utilisation of the strength, with the line where it is 1.
     pub fn utilisation<const D: usize>(&self, solution: &Solution<D>) -> Markup {
+        self.picture(solution, utilisation_picture, utilisation_picture)
+    }
+
+    /// The plastic zone, with its border.
+    pub fn yielding<const D: usize>(&self, solution: &Solution<D>) -> Markup {
+        self.picture(solution, yielding_picture, yielding_picture)
+    }
+
+    /// A result over the undeformed bodies.
+    fn picture<const D: usize>(
+        &self,
+        solution: &Solution<D>,
+        in_plane: fn(&Solution<2>) -> Picture<2>,
+        in_space: fn(&Solution<3>) -> Picture<3>,
+    ) -> Markup {
         if let (Some(scene), Some(solution)) = (&self.space, known(solution)) {
-            return space::utilisation_figures(scene, solution);
+            return space::picture(scene, solution, &in_space(solution));
         }
         let (Some(scene), Some(solution)) = (&self.plane, known(solution)) else {
             return Markup::default();
         };
-        let (drawing, caption) = utilisation_figure(scene, solution);
-        figure(&drawing, "Utilisation of the strength", &caption)
+        let picture = in_plane(solution);
+        let drawing = picture.in_plane(scene, solution);
+        figure(&drawing, picture.title, &picture.caption)
     }
 
     /// Pressure and gap along a contact, in space on its faces.

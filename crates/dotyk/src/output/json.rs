@@ -11,7 +11,7 @@ use crate::model::{
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
 use crate::output::vtu::judged;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// Version that every file names.
@@ -32,6 +32,7 @@ pub fn summary<const D: usize>(run: &Overview<'_, D>) -> String {
             time: failed.time,
             name: run.step_name(failed.step - 1),
             reason: &failed.reason,
+            carried: failed.carried,
         }),
         ..step_summary(run, run.last, run.earlier.len())
     };
@@ -87,25 +88,14 @@ fn step_summary<'a, const D: usize>(
         converged: solution.converged,
         solver: &solution.solver.method,
         iterations: solution.solver.iterations,
+        increments: solution.certificate.yields.map(|_| 1),
         contraction: solution.solver.contraction,
         dofs: solution.dofs,
         contact_unknowns: solution.contact_unknowns,
         threads: solution.threads,
         peak_memory_bytes: run.peak_memory,
         seconds: solution.seconds.into(),
-        certificate: CertificateEntry {
-            penetration: solution.certificate.penetration.into(),
-            tension: solution.certificate.tension.into(),
-            complementarity: solution.certificate.complementarity.into(),
-            imbalance_force: solution.certificate.imbalance_force.into(),
-            imbalance_moment: solution.certificate.imbalance_moment.into(),
-            energy_gap: solution.certificate.energy_gap.into(),
-            slip_violation: solution.certificate.slip_violation.into(),
-            force_error: solution.certificate.force_error.into(),
-            rounding: solution.certificate.rounding.into(),
-            between_nodes: solution.certificate.between_nodes.into(),
-            overlap: solution.certificate.overlap.into(),
-        },
+        certificate: CertificateEntry(solution.certificate.figures()),
         overlap: unexplained(solution).map(|found| OverlapEntry {
             bodies: [&found.body, &found.other],
             at: &found.point,
@@ -202,6 +192,9 @@ struct Summary<'a> {
     converged: bool,
     solver: &'a str,
     iterations: usize,
+    /// Of the plastic strain, each an implicit one; only where a material yields.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    increments: Option<usize>,
     /// Of the fixed point that solved Coulomb's law, where one did.
     #[serde(skip_serializing_if = "Option::is_none")]
     contraction: Option<f64>,
@@ -243,6 +236,9 @@ struct FailedEntry<'a> {
     time: f64,
     name: Option<&'a str>,
     reason: &'a str,
+    /// The part of it that the bodies can bear, where that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    carried: Option<f64>,
 }
 
 #[derive(Clone, Serialize)]
@@ -291,19 +287,15 @@ impl From<Figure> for FigureEntry {
     }
 }
 
-#[derive(Clone, Serialize)]
-struct CertificateEntry {
-    penetration: FigureEntry,
-    tension: FigureEntry,
-    complementarity: FigureEntry,
-    imbalance_force: FigureEntry,
-    imbalance_moment: FigureEntry,
-    energy_gap: FigureEntry,
-    slip_violation: FigureEntry,
-    force_error: FigureEntry,
-    rounding: FigureEntry,
-    between_nodes: FigureEntry,
-    overlap: FigureEntry,
+/// The figures by their names.
+#[derive(Clone)]
+struct CertificateEntry(Vec<(&'static str, Figure)>);
+
+impl Serialize for CertificateEntry {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let entries = self.0.iter();
+        serializer.collect_map(entries.map(|&(name, figure)| (name, FigureEntry::from(figure))))
+    }
 }
 
 /// The overlap of deformed bodies that nothing explains.
@@ -538,6 +530,9 @@ struct BodyEntry<'a> {
     /// Of the stress over the strength; only where a body of the model has one.
     #[serde(flatten)]
     strength: Option<StrengthEntry<'a>>,
+    /// Only where a material of the body yields.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plastic_area: Option<f64>,
     /// The points that sides move with; only where there are some.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     couples: Vec<CoupleEntry<'a>>,
@@ -613,6 +608,7 @@ fn body_entry<const D: usize>(
         max_von_mises_away_at: away.map(|away| &away.at[..]),
         strain_energy: body.strain_energy,
         strength: judged.then(|| strength_entry(body)),
+        plastic_area: body.yielding.as_ref().map(|own| own.extent),
         couples: body.couples.iter().map(couple_entry).collect(),
     }
 }

@@ -24,6 +24,7 @@ mod markup;
 mod npz;
 mod panels;
 mod past;
+mod picture;
 mod plot;
 mod points;
 mod report;
@@ -31,6 +32,7 @@ mod scene;
 mod sections;
 mod setup;
 mod space;
+mod state;
 mod steps;
 mod strength;
 mod study;
@@ -43,6 +45,7 @@ mod utilisation;
 mod verdict;
 mod view;
 mod vtu;
+mod yielding;
 
 pub use files::{Folder, Stage, abandon};
 pub use json::closed_and_open;
@@ -54,6 +57,7 @@ use crate::geometry::Point;
 use crate::host::peak_memory_bytes;
 use crate::model::{Check, Comparison, Dual, Model, Past, Seconds, Solution, Study};
 use std::borrow::Cow;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -198,6 +202,8 @@ pub struct FailedStep {
     pub time: f64,
     /// Why.
     pub reason: String,
+    /// The part of it that the bodies can bear, where that is known.
+    pub carried: Option<f64>,
 }
 
 /// What summary and report tell of.
@@ -250,13 +256,13 @@ macro_rules! doors {
     ($($D:literal)*) => {$(
         impl Record<'_, $D> {
             /// Writes all result files into a folder: a VTU file per body and step, a VTM file per step that
-            /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `sections.csv` where a section is cut, `summary.json`,
+            /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `sections.csv` where a section is cut, `state.bin` where a material yields, `summary.json`,
             /// `report.html`.
             ///
             /// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
             /// the report, which is one of these files, tells the time up to itself.
             /// Files of other names in the folder stay, but for the VTU and VTM files of an
-            /// earlier run, as its `case.pvd` tells, and its `lines.csv` and `sections.csv`.
+            /// earlier run, as its `case.pvd` tells, and its `lines.csv`, `sections.csv` and `state.bin`.
             /// Errors: any [`Error`]; then the folder is as it was before.
             pub fn write(&self, folder: &Folder) -> Result<Written, Error> {
                 write(self, folder)
@@ -400,6 +406,9 @@ fn write<const D: usize>(record: &Record<'_, D>, folder: &Folder) -> Result<Writ
     if let Some(bars) = csv::bars_csv(steps) {
         stage.put(BARS, bars.as_bytes())?;
     }
+    if let Some(state) = state::state(steps) {
+        stage.put(state::STATE, &state)?;
+    }
 
     let seconds = || Seconds {
         write: start.elapsed().as_secs_f64(),
@@ -463,7 +472,17 @@ fn earlier_files(dir: &Path) -> Vec<String> {
     if read(BARS).starts_with(csv::BARS_HEAD) {
         files.push(BARS.to_string());
     }
+    if begins(&dir.join(state::STATE), state::STATE_HEAD) {
+        files.push(state::STATE.to_string());
+    }
     files
+}
+
+/// A file begins with these words.
+fn begins(file: &Path, words: &str) -> bool {
+    let mut head = vec![0; words.len()];
+    let read = std::fs::File::open(file).and_then(|mut file| file.read_exact(&mut head));
+    read.is_ok() && head == words.as_bytes()
 }
 
 /// Writes `compare.csv` and `compare.svg`, and returns their paths.

@@ -4,6 +4,7 @@ use crate::model::{Past, PastBody, PastNode, Status};
 use crate::output::chain::tangent;
 use crate::output::csv::unguarded;
 use crate::output::files;
+use crate::output::state::{STATE, read_state};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -89,6 +90,7 @@ pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError
                     name: body.name.clone(),
                     max_displacement: body.max_displacement,
                     strain_energy: body.strain_energy,
+                    yielded: None,
                 })
                 .collect(),
         })
@@ -98,6 +100,13 @@ pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError
         return Err(fail(&file, why.to_string()));
     }
     contacts(&csv, &mut past).map_err(|why| fail(&csv_file, why))?;
+    let file = dir.join(STATE);
+    // where nothing yields there is none
+    if file.exists() {
+        let cannot = |why| fail(&file, format!("cannot be read ({why})"));
+        let bytes = crate::host::read(&file).map_err(cannot)?;
+        read_state(&bytes, &mut past).map_err(|why| fail(&file, why))?;
+    }
     Ok(past)
 }
 

@@ -19,6 +19,7 @@ use crate::output::text::{
     Labels, Scales, count, number, quantity, seconds, singular_peak, vector,
 };
 use crate::output::utilisation::largest_utilisation;
+use crate::output::yielding::yielding_section;
 use crate::output::{Overview, contacts, verdict};
 
 /// Content of `report.html`.
@@ -69,6 +70,7 @@ fn content<const D: usize>(run: &Overview<'_, D>) -> Markup {
         figures.deformed(solution),
         bodies(model, solution, &labels),
         strength_section(solution, &figures, &labels),
+        yielding_section(solution, &figures, &labels),
         points(solution, &labels),
         contacts::contacts(solution, &figures, &labels),
         contacts::balance(model, solution, &labels),

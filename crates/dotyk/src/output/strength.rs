@@ -28,7 +28,10 @@ pub fn strength_section<const D: usize>(
         figures.utilisation(solution),
         bodies(solution, labels),
         words.collect::<Markup>(),
-        elastic,
+        match solution.bodies.iter().all(|body| body.yielding.is_some()) {
+            true => "",
+            false => elastic,
+        },
     )
 }
 

@@ -1,6 +1,5 @@
 //! Sections of the report on how far its numbers can be trusted: banner, warnings, certificate and convergence.
 
-use crate::dual::{Certificate, Figure};
 use crate::model::{Model, Solution, told_in_steps};
 use crate::output::Overview;
 use crate::output::history::history_figure;
@@ -68,92 +67,109 @@ pub fn warnings<const D: usize>(run: &Overview<'_, D>) -> Markup {
     }
 }
 
+/// A figure of the certificate: its name, what the report calls it, what it says, and its unit.
+type Sentence = (
+    &'static str,
+    &'static str,
+    &'static str,
+    fn(&Labels) -> &str,
+);
+
+/// All figures.
+const SENTENCES: [Sentence; 14] = [
+    (
+        "penetration",
+        "Penetration",
+        "No contact point lies inside the other body by more than",
+        |labels| &labels.length,
+    ),
+    (
+        "tension",
+        "Tension",
+        "No contact that can open pulls by more than",
+        |labels| &labels.force,
+    ),
+    (
+        "complementarity",
+        "Complementarity",
+        "Where there is force there is no gap: the sum of force times gap is",
+        |labels| &labels.energy,
+    ),
+    (
+        "imbalance_force",
+        "Balance of forces",
+        "The forces on every body add up to zero within",
+        |labels| &labels.force,
+    ),
+    (
+        "imbalance_moment",
+        "Balance of moments",
+        "The moments on every body add up to zero within",
+        |labels| &labels.energy,
+    ),
+    (
+        "energy_gap",
+        "Energy",
+        "The energies of displacements and of forces bound the exact discrete answer from two sides; they differ by",
+        |labels| &labels.energy,
+    ),
+    (
+        "slip_violation",
+        "Friction",
+        "No shear force exceeds or contradicts the friction law by more than",
+        |labels| &labels.force,
+    ),
+    (
+        "force_error",
+        "Contact forces",
+        "No contact force would change, if it answered its own gap, by more than",
+        |labels| &labels.force,
+    ),
+    (
+        "rounding",
+        "Rounding",
+        "Where multipliers are finer than the softer side, rounding of coordinates and displacements changes no contact force by more than",
+        |labels| &labels.force,
+    ),
+    (
+        "between_nodes",
+        "Between the nodes",
+        "Looked at between their nodes, whatever was imposed, the sides overlap, compared with what the meshes can resolve, by",
+        |labels| &labels.length,
+    ),
+    (
+        "overlap",
+        "Overlap",
+        "Where they have moved to, no two bodies overlap more than at first, compared with what small displacements explain, by more than",
+        |labels| &labels.length,
+    ),
+    (
+        "equilibrium",
+        "Yielding in equilibrium",
+        "Where bodies yield, their stress leaves no node unbalanced by more than",
+        |labels| &labels.force,
+    ),
+    (
+        "yield_violation",
+        "Yield stress",
+        "Nowhere does the stress exceed what the material bears by more than",
+        |labels| &labels.stress,
+    ),
+    (
+        "flow",
+        "Flow",
+        "What yields takes up work everywhere; it gives back no more than",
+        |labels| &labels.energy,
+    ),
+];
+
 /// The figures of the certificate in sentences.
 pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Markup {
-    let Certificate {
-        penetration,
-        tension,
-        complementarity,
-        imbalance_force,
-        imbalance_moment,
-        energy_gap,
-        slip_violation,
-        force_error,
-        rounding,
-        between_nodes,
-        overlap,
-    } = solution.certificate;
-    let lines: [(&str, &str, Figure, &str); 11] = [
-        (
-            "Penetration",
-            "No contact point lies inside the other body by more than",
-            penetration,
-            &labels.length,
-        ),
-        (
-            "Tension",
-            "No contact that can open pulls by more than",
-            tension,
-            &labels.force,
-        ),
-        (
-            "Complementarity",
-            "Where there is force there is no gap: the sum of force times gap is",
-            complementarity,
-            &labels.energy,
-        ),
-        (
-            "Balance of forces",
-            "The forces on every body add up to zero within",
-            imbalance_force,
-            &labels.force,
-        ),
-        (
-            "Balance of moments",
-            "The moments on every body add up to zero within",
-            imbalance_moment,
-            &labels.energy,
-        ),
-        (
-            "Energy",
-            "The energies of displacements and of forces bound the exact discrete answer from two sides; they differ by",
-            energy_gap,
-            &labels.energy,
-        ),
-        (
-            "Friction",
-            "No shear force exceeds or contradicts the friction law by more than",
-            slip_violation,
-            &labels.force,
-        ),
-        (
-            "Contact forces",
-            "No contact force would change, if it answered its own gap, by more than",
-            force_error,
-            &labels.force,
-        ),
-        (
-            "Rounding",
-            "Where multipliers are finer than the softer side, rounding of coordinates and displacements changes no contact force by more than",
-            rounding,
-            &labels.force,
-        ),
-        (
-            "Between the nodes",
-            "Looked at between their nodes, whatever was imposed, the sides overlap, compared with what the meshes can resolve, by",
-            between_nodes,
-            &labels.length,
-        ),
-        (
-            "Overlap",
-            "Where they have moved to, no two bodies overlap more than at first, compared with what small displacements explain, by more than",
-            overlap,
-            &labels.length,
-        ),
-    ];
+    let lines = solution.certificate.figures().into_iter();
     let rows = lines
-        .iter()
-        .map(|(name, sentence, figure, unit)| {
+        .filter_map(|(name, figure)| Some((SENTENCES.iter().find(|own| own.0 == name)?, figure)))
+        .map(|(&(_, name, sentence, unit), figure)| {
+            let unit = unit(labels);
             let mark = match figure.holds() {
                 true => markup!("<span class=\"yes\" title=\"within its limit\">✓</span>"),
                 false => markup!("<span class=\"no\" title=\"out of its limit\">✗</span>"),

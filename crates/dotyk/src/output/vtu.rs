@@ -7,7 +7,8 @@
 //! the state is −1: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed. In space, where corners of facets carry the
 //! multipliers, nodes between them have what is linear there and the state of the corner that bears most. With friction or a tie there is `shear`, the traction
 //! on this body. `utilisation` is there where a body of the model has a strength: 1 is failure, infinite beyond the apex of a criterion,
-//! NaN where a body or group has none. Cells have the index of their body; field data are the time and the units.
+//! NaN where a body or group has none. `plastic_strain`, `equivalent_plastic_strain` and `yielded`, the share of the cells around
+//! that has yielded in this step, are there where a material of the model yields. Cells have the index of their body; field data are the time and the units.
 //! A node on a border between materials is a point for each of them, with the stress and strain of its own: the cells of the
 //! further materials name points behind the nodes. All else is the same at both.
 //! Arrays are inline, little-endian, zlib in blocks, base64.
@@ -15,7 +16,7 @@
 
 use crate::geometry::{Point, padded, unit};
 use crate::mesh::Mesh;
-use crate::model::{Analysis, Law, Model, OnSide, Solution, Status};
+use crate::model::{Analysis, BodyField, Law, Model, OnSide, Shape, Solution, Status};
 use crate::output::encode::zlib;
 use crate::output::markup::{Markup, markup};
 use crate::output::text::{AXES, Labels};
@@ -68,34 +69,15 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     );
     out.push_str("<PointData Vectors=\"displacement\" Scalars=\"von_mises\">\n");
     let (tensor, vector) = component_names(model.analysis);
-    let principal = answer.principal_stress();
-    floats(
-        &mut out,
-        "displacement",
-        &vector,
-        &vectors(&answer.displacement),
-    );
-    floats(&mut out, "stress", &tensor, answer.stress.as_flattened());
-    floats(&mut out, "strain", &tensor, answer.strain.as_flattened());
-    floats(&mut out, "von_mises", &[], &answer.von_mises);
-    if judged(solution) {
-        let own = answer.utilisation.as_ref().map(|own| own.nodal.clone());
-        let nodal = own.unwrap_or_else(|| vec![f64::NAN; borders.count()]);
-        floats(&mut out, "utilisation", &[], &nodal);
+    for field in body_fields(solution, body) {
+        let components: &[&str] = match field.shape {
+            Shape::Number => &[],
+            Shape::Vector => &vector,
+            Shape::Tensor => &tensor,
+            Shape::Principal => &["s1", "s2", "s3"],
+        };
+        floats(&mut out, field.name, components, &field.values);
     }
-    floats(
-        &mut out,
-        "principal_stress",
-        &["s1", "s2", "s3"],
-        principal.as_flattened(),
-    );
-    floats(&mut out, "reaction", &vector, &vectors(&answer.reactions));
-    floats(
-        &mut out,
-        "contact_force",
-        &vector,
-        &vectors(&answer.contact_forces),
-    );
     floats(&mut out, "pressure", &[], &numbers(&fields.pressure));
     floats(&mut out, "gap", &[], &numbers(&fields.gap));
     floats(
@@ -128,6 +110,22 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     array(&mut out, "Int32", "body", &[], &index);
     out.push_str("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
     out
+}
+
+/// The fields of a body, those among them that other bodies alone have: NaN. Readers of several bodies find the same arrays in all.
+fn body_fields<const D: usize>(solution: &Solution<D>, body: usize) -> Vec<BodyField> {
+    let mut own = solution.bodies[body].fields();
+    let places = solution.bodies[body].borders.count();
+    let others = solution.bodies.iter().enumerate();
+    for other in others.filter(|other| other.0 != body) {
+        for (at, field) in other.1.fields().into_iter().enumerate() {
+            if own.iter().all(|known| known.name != field.name) {
+                let values = vec![f64::NAN; places * field.shape.components()];
+                own.insert(at.min(own.len()), BodyField { values, ..field });
+            }
+        }
+    }
+    own
 }
 
 /// Some body has a strength.
@@ -480,6 +478,7 @@ mod tests {
                 poisson: 0.0,
             },
             strength: None,
+            plastic: None,
         };
         let mut model = Model::new();
         let elastic = material("stiff", 1000.0).elastic;

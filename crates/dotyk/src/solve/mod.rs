@@ -49,6 +49,7 @@ mod torn;
 mod uzawa;
 
 pub use accelerated::Accelerated;
+pub(crate) use anderson::Anderson;
 pub(crate) use correct::{FREE, correction, distance_to_exact, left_open};
 pub(crate) use foreign::Foreign;
 pub use gradient::Gradient;

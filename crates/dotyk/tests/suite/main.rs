@@ -53,3 +53,4 @@ mod tidy;
 mod travel;
 mod warnings;
 mod written;
+mod yielding;

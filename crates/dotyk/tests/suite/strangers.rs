@@ -150,6 +150,7 @@ macro_rules! pages {
             step: 3,
             time: 2.0,
             reason: $word.to_string(),
+            carried: None,
         });
         pages.push(record.report().unwrap());
         // what is only looked at may be called anything

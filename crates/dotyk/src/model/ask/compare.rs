@@ -2,7 +2,7 @@
 
 use crate::linalg::dense::norm;
 use crate::model::march::attempt::run_method;
-use crate::model::march::steps::condense_step;
+use crate::model::march::steps::{check_linear, condense_step};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::Event;
 use crate::model::nouns::model::{Method, Model};
@@ -115,6 +115,7 @@ struct Bench<const D: usize> {
 
 impl<const D: usize> Bench<D> {
     fn new(model: &Model<D>, observe: &mut dyn FnMut(Event)) -> Result<Self, Error<D>> {
+        check_linear(model)?;
         let last = model.last_time();
         let (stage, condensed) = match model.has_stages() {
             true => {

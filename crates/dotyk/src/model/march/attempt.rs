@@ -98,15 +98,14 @@ pub(crate) fn certified_attempt<const D: usize>(
     Start { own, guess }: Start<'_>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
-    if let Some(own) = own {
-        let attempt = run_solver(model, condensed, &Foreign(own), guess, &mut |_| {}, observe)?;
+    let mut attempt = run(model, condensed, Start { own, guess }, observe)?;
+    if own.is_some() {
         let judged = judge(model, condensed, &attempt.outcome, None)?;
         return Ok((attempt, judged));
     }
     let method = model.solver.method;
     let tolerance = model.solver.tolerance;
     let exact = matches!(method, Method::Auto | Method::Newton);
-    let mut attempt = run_method(model, condensed, (method, tolerance), guess, observe)?;
     let crowd = condensed.problem.is_crowd();
     if exact && attempt.unfinished() && !crowd && condensed.problem.assemble(ASSEMBLED) {
         let again = run_method(model, condensed, (method, tolerance), guess, observe)?;
@@ -117,6 +116,24 @@ pub(crate) fn certified_attempt<const D: usize>(
         (attempt, judged) = corrected(model, condensed, attempt, judged, observe)?;
     }
     continued(model, condensed, attempt, judged, observe)
+}
+
+/// Runs the method of the model, or a solver of somebody else's, once.
+///
+/// Errors: bolts that are none; a problem that cannot be solved by that method.
+pub(crate) fn run<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    Start { own, guess }: Start<'_>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Attempt<D>, Error<D>> {
+    match own {
+        Some(own) => run_solver(model, condensed, &Foreign(own), guess, &mut |_| {}, observe),
+        None => {
+            let how = (model.solver.method, model.solver.tolerance);
+            run_method(model, condensed, how, guess, observe)
+        }
+    }
 }
 
 /// Corrects an answer by exact steps in increments until its certificate holds; the best one counts.

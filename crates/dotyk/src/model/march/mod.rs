@@ -2,6 +2,7 @@
 
 pub mod attempt;
 pub mod between;
+pub mod equilibrate;
 pub mod finish;
 pub mod intrusion;
 pub mod jam;

@@ -7,14 +7,18 @@
 
 use crate::contact::InterfaceNode;
 use crate::dual::Multipliers;
+use crate::fem::Yielded;
 use crate::geometry::{Point, dot};
 use crate::linalg::SparseVector;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
+#[cfg(doc)]
+use crate::model::nouns::solution::Yielding;
 use crate::model::nouns::solution::{BodySolution, Solution, Status};
-use crate::model::system::condense::Condensed;
+use crate::model::system::condense::{Condensed, assume};
 use crate::model::system::paired::{Paired, row_ranges};
 use crate::model::system::shared::{bearing_weight, shear_parts};
+use std::sync::Arc;
 
 /// A load step that was solved before.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +42,8 @@ pub struct PastBody {
     pub max_displacement: f64,
     /// Its strain energy.
     pub strain_energy: f64,
+    /// What had yielded of it at the points of its stiffness, where that is known ([`Yielding::points`]).
+    pub yielded: Option<Vec<[f64; 7]>>,
 }
 
 /// A node of a contact in a step that was solved before.
@@ -85,6 +91,7 @@ impl<const D: usize> From<&BodySolution<D>> for PastBody {
             name: body.name.clone(),
             max_displacement: body.max_displacement(),
             strain_energy: body.strain_energy,
+            yielded: body.yielding.as_ref().map(|own| own.points.clone()),
         }
     }
 }
@@ -259,6 +266,34 @@ fn amplitudes(columns: &[SparseVector], motion: &[Option<f64>], mut alpha: Vec<f
             .for_each(|(p, r)| *p = r + keep * *p);
     }
     alpha
+}
+
+/// What had yielded of the bodies in a recorded step, as a load: where the search for it begins.
+///
+/// Errors: what is of another mesh; what cannot be loaded.
+pub(crate) fn assume_recorded<const D: usize>(
+    condensed: &mut Condensed<D>,
+    model: &Model<D>,
+    past: &Past<D>,
+) -> Result<Result<(), String>, Error<D>> {
+    let mut all = condensed.state.yielded();
+    for (body, own) in model.bodies.iter().zip(&mut all) {
+        let mut recorded = past.bodies.iter().filter(|past| past.name == body.name);
+        let Some(points) = recorded.next().and_then(|past| past.yielded.clone()) else {
+            continue;
+        };
+        let nothing = Yielded::nothing(body, model.analysis);
+        let nothing = nothing.map_err(|why| Error::in_body(body, why))?;
+        if nothing.0.len() != points.len() {
+            let what = format!("body \"{}\" had another mesh", body.name);
+            return Ok(Err(what));
+        }
+        *own = Some(Arc::new(Yielded(points)));
+    }
+    if all.iter().any(Option::is_some) {
+        assume(model, condensed, all)?;
+    }
+    Ok(Ok(()))
 }
 
 /// Errors: bodies that move or are strained otherwise than in the recorded step.

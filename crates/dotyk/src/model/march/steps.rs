@@ -1,11 +1,15 @@
 //! Load steps: each from the answer of the one before it, until one has none.
 
 use crate::dual::Multipliers;
-use crate::model::march::attempt::{Start, certified_attempt};
+use crate::fem::FemError;
+use crate::model::march::attempt::Start;
+use crate::model::march::equilibrate::equilibrate;
 use crate::model::march::finish::finish;
 use crate::model::march::judge::Judged;
 use crate::model::march::objection::objection;
-use crate::model::march::past::{Past, check_past, recorded, same_bodies, same_forces};
+use crate::model::march::past::{
+    Past, assume_recorded, check_past, recorded, same_bodies, same_forces,
+};
 use crate::model::march::reuse::Reuse;
 use crate::model::march::torn;
 use crate::model::nouns::error::{Error, Objection};
@@ -78,6 +82,7 @@ pub(crate) fn condense_step<const D: usize>(
     dense_limit: usize,
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Stage<'static, D>, Here<D>), Error<D>> {
+    check_linear(model)?;
     let staged = model.is_staged() || model.has_stage_at(time);
     let mut march = March::new(staged, dense_limit);
     let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
@@ -91,6 +96,15 @@ pub(crate) fn condense_step<const D: usize>(
     let here = march.next(model, (step, time), observe)?;
     let stage = march.stage.unwrap_or_else(|| Stage::whole(model));
     Ok((stage.into_owned(), here))
+}
+
+/// Errors: a body that yields, which no dual problem with one F tells of.
+pub(crate) fn check_linear<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
+    let why = "makes bodies answer otherwise than in proportion to what acts on them: their dual problem is none for other solvers; leave it out, or run the case";
+    match model.bodies.iter().find(|body| body.is_plastic()) {
+        Some(body) => Err(Error::in_body(body, FemError::Plastic { why })),
+        None => Ok(()),
+    }
 }
 
 /// A stage at the time of a step, and what its steps are looked at with.
@@ -220,6 +234,7 @@ fn solve_again<const D: usize>(
     let model = stage.model.as_ref();
     let differs = |what: String| Error::Past { step, what };
     let recorded = recorded(&here.0, model, done).map_err(differs)?;
+    assume_recorded(&mut here.0, model, done)?.map_err(differs)?;
     let coupled = here.0.paired.len() > model.contacts.len();
     let guess = (!coupled).then_some(&recorded);
     let (state, mut solution, objection) = solve_step(stage, here, (None, guess), start, observe)?;
@@ -248,12 +263,12 @@ fn solve_step<const D: usize>(
     let from = Start { own, guess };
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
-    let (mut attempt, mut judged) = certified_attempt(model, condensed, from, observe)?;
+    let (mut attempt, mut judged) = equilibrate(model, condensed, from, observe)?;
     let mut parted = Vec::new();
     while let Some(more) = torn::torn(model, condensed, &attempt) {
         again(model, condensed, &more.lost, observe)?;
         parted.push(more.words);
-        let (further, again) = certified_attempt(model, condensed, from, observe)?;
+        let (further, again) = equilibrate(model, condensed, from, observe)?;
         (attempt, judged) = (attempt.followed_by(further), again);
     }
     condensed.seconds.contact += lap.seconds();
@@ -281,7 +296,10 @@ fn solve_step<const D: usize>(
     let mut state = State::clone(&state);
     let load = condensed.problem.balance.load();
     let slid = (&slip[..], &lost[..]);
-    state.remember(&mut solution, &condensed.paired, (load, forces), slid);
+    let of_bodies = condensed.bodies.iter().take(model.bodies.len());
+    let yielded = of_bodies.map(|body| body.system.history.yielded.clone());
+    let (of_pairs, yielded) = (&condensed.paired[..], yielded.collect());
+    state.remember(&mut solution, of_pairs, (load, forces), slid, yielded);
     condensed.seconds.recover += lap.seconds();
     condensed.seconds.total = start.elapsed().as_secs_f64();
     solution.seconds = condensed.seconds;

@@ -47,6 +47,7 @@ impl<const D: usize> Model<D> {
                 group: None,
                 elastic,
                 strength: None,
+                plastic: None,
             }],
             thickness: 1.0,
             body_force: std::array::from_fn(|_| Field::constant(0.0)),

@@ -447,6 +447,13 @@ pub enum Objection<const D: usize> {
         /// Where a deformed body stands in another one, if farther than it may.
         intrusion: Option<Box<Intrusion<D>>>,
     },
+    /// Loss of equilibrium: the load is more than what bodies can bear that yield.
+    Yields {
+        /// Elastic problems in which none was found.
+        turns: usize,
+        /// The part of the step that they can bear.
+        carried: f64,
+    },
     /// Hardly anything holds a floating body against turning: it turns farther than the theory of small rotations goes.
     Turned {
         /// The body.
@@ -616,6 +623,11 @@ impl<const D: usize> fmt::Display for Objection<D> {
                     }
                 )
             }
+            Self::Yields { turns, carried } => write!(
+                f,
+                "loss of equilibrium: what yields does not bear the load, {turns} elastic problems find no balance; it holds {} of the step",
+                Short(*carried)
+            ),
             Self::Turned { body, motion, turn } => write!(
                 f,
                 "body \"{body}\" is turned by {} rad ({motion}), and the theory knows small rotations alone: hardly anything holds it against turning; hold it by a support, or let more of its nodes touch, by smaller facets",

@@ -2,7 +2,7 @@
 
 pub use crate::fem::{
     Active, Amount, Analysis, Bed, Body, Borders, COMPONENTS, Components, Couple, CoupleKind,
-    Elastic, Formulation, Initial, Load, Material, Place, Spring, Strength, Support,
+    Elastic, Formulation, Initial, Load, Material, Place, Plastic, Spring, Strength, Support,
 };
 
 /// Index of a body in [`Model::bodies`](crate::model::Model::bodies).

@@ -35,6 +35,8 @@ pub(crate) enum Parts {
     Stress(usize, Stress),
     /// Stress of a body over its strength; a field.
     Utilisation(usize),
+    /// What has yielded of a body; a field.
+    Yielding(usize, Yielded),
     /// Force of the supports on a body, of all or those of a side; a number.
     Reaction(usize, Option<String>, usize),
     /// What varies along a contact; a field.
@@ -108,6 +110,17 @@ pub(crate) enum Stress {
     Normal,
 }
 
+/// Of what has yielded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Yielded {
+    /// A component of the plastic strain by its place among xx yy zz xy yz xz.
+    Strain(usize),
+    /// The equivalent plastic strain.
+    Equivalent,
+    /// The part that has yielded in the step.
+    Share,
+}
+
 /// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space; or components in global
 /// axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -127,6 +140,19 @@ use ContactField::{
 };
 
 const AXES: [(&str, usize); 3] = [("x", 0), ("y", 1), ("z", 2)];
+
+/// Components of a tensor.
+const TENSOR: [(&str, usize); 6] = [
+    ("xx", 0),
+    ("yy", 1),
+    ("zz", 2),
+    ("xy", 3),
+    ("yz", 4),
+    ("xz", 5),
+];
+
+/// The plastic strain of a body.
+const PLASTIC_STRAIN: &str = "plastic_strain";
 
 /// The force of a bar.
 const FORCE: &str = "force";
@@ -195,6 +221,8 @@ pub enum Mistake {
     TooLong,
     /// No material of the body has a strength.
     NoStrength,
+    /// No material of the body yields.
+    NotPlastic,
 }
 
 impl fmt::Display for QuantityError {
@@ -206,6 +234,10 @@ impl fmt::Display for QuantityError {
             Mistake::NoStrength => write!(
                 f,
                 "`{word}` of a body without `strength`: give its material one"
+            ),
+            Mistake::NotPlastic => write!(
+                f,
+                "`{word}` of a body that does not yield: give its material `plastic = true`"
             ),
             Mistake::TooLong => write!(f, "`{word}` has no components here"),
         }
@@ -260,6 +292,7 @@ impl Quantity {
             | Parts::Rotation(body, _)
             | Parts::Stress(body, _)
             | Parts::Utilisation(body)
+            | Parts::Yielding(body, _)
             | Parts::Reaction(body, ..) => *body = bodies[*body]?,
             Parts::Along(contact, _)
             | Parts::Resultant(contact, _)
@@ -288,20 +321,21 @@ impl Quantity {
             Parts::Moment(..) => Dimension::Moment,
             Parts::Dissipated(..) => Dimension::Energy,
             Parts::Rotation(..) => Dimension::Angle,
-            Parts::Utilisation(..) => Dimension::Ratio,
+            Parts::Utilisation(..) | Parts::Yielding(..) => Dimension::Ratio,
             Parts::Section(_, quantity) => quantity.dimension(),
         }
     }
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Along, Bar, Displacement, Rotation, Section, Stress, Utilisation};
+        use Parts::{Along, Bar, Displacement, Rotation, Section, Stress, Utilisation, Yielding};
         matches!(
             self.parts,
             Displacement(..)
                 | Rotation(..)
                 | Stress(..)
                 | Utilisation(..)
+                | Yielding(..)
                 | Along(..)
                 | Section(..)
                 | Bar(_)
@@ -323,7 +357,10 @@ impl Quantity {
 
     /// It jumps between the materials of a body.
     pub(crate) fn depends_on_material(&self) -> bool {
-        matches!(self.parts, Parts::Stress(..) | Parts::Utilisation(_))
+        matches!(
+            self.parts,
+            Parts::Stress(..) | Parts::Utilisation(_) | Parts::Yielding(..)
+        )
     }
 
     /// It is the length of a contact, or in space its area.
@@ -388,12 +425,15 @@ fn of_body<const D: usize>(
     index: usize,
     body: &Body<D>,
 ) -> Result<Parts, QuantityError> {
-    const QUANTITIES: [&str; 5] = [
+    const QUANTITIES: [&str; 8] = [
         "displacement",
         "rotation",
         "stress",
         "reaction",
         "utilisation",
+        PLASTIC_STRAIN,
+        "equivalent_plastic_strain",
+        "yielded",
     ];
     let axes = &AXES[..D];
     let moved = components::<D>();
@@ -421,6 +461,20 @@ fn of_body<const D: usize>(
             true => Ok(Parts::Utilisation(index)),
             false => Err(words.mistake(Mistake::NoStrength, 1, [])),
         },
+        [PLASTIC_STRAIN, _] => {
+            yields(words, body)?;
+            let component = words.one_of(2, "component", &TENSOR)?;
+            Ok(Parts::Yielding(index, Yielded::Strain(component)))
+        }
+        [PLASTIC_STRAIN] => Err(words.incomplete(names(&TENSOR))),
+        ["equivalent_plastic_strain"] => {
+            yields(words, body)?;
+            Ok(Parts::Yielding(index, Yielded::Equivalent))
+        }
+        ["yielded"] => {
+            yields(words, body)?;
+            Ok(Parts::Yielding(index, Yielded::Share))
+        }
         ["reaction", _] => {
             let axis = words.one_of(2, "component", axes)?;
             Ok(Parts::Reaction(index, None, axis))
@@ -437,6 +491,14 @@ fn of_body<const D: usize>(
         ["reaction"] | [_, "reaction"] => Err(words.incomplete(names(axes))),
         [] => Err(words.incomplete(QUANTITIES)),
         [_, ..] => Err(words.mistake(Mistake::Unknown("quantity of a body"), 1, QUANTITIES)),
+    }
+}
+
+/// Errors: a body of which nothing yields.
+fn yields<const D: usize>(words: &Words<'_>, body: &Body<D>) -> Result<(), QuantityError> {
+    match body.is_plastic() {
+        true => Ok(()),
+        false => Err(words.mistake(Mistake::NotPlastic, 1, [])),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::dual::Certificate;
 use crate::fem::{Borders, list_motions, principal};
-use crate::geometry::{Point, add_scaled, norm};
+use crate::geometry::{Point, add_scaled, norm, padded};
 use crate::model::nouns::bar::BarSolution;
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::ids::SideRef;
@@ -247,6 +247,60 @@ pub struct BodySolution<const D: usize> {
     pub peak: Option<Peak<D>>,
     /// How far its stress goes towards its strength; `None` where no material has one.
     pub utilisation: Option<Utilisation<D>>,
+    /// What has yielded of it; `None` where no material may.
+    pub yielding: Option<Yielding>,
+}
+
+/// What has yielded of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Yielding {
+    /// Plastic strain at every node, and at the further places of the body's `borders`: xx yy zz xy yz xz, tensor components.
+    pub strain: Vec<[f64; 6]>,
+    /// Equivalent plastic strain there, the sum of √(2/3 dε:dε) over all steps.
+    pub equivalent: Vec<f64>,
+    /// The part of the cells around that has yielded in this step, in [0, 1].
+    pub share: Vec<f64>,
+    /// Area of what has a plastic strain, in space volume; without thickness, with axial symmetry that of the section.
+    pub extent: f64,
+    /// Plastic strain, and behind it the equivalent one, at the points of integration of the stiffness of all cells, block by block.
+    pub points: Vec<[f64; 7]>,
+}
+
+/// How many components a field has, and which.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// One.
+    Number,
+    /// Those of a vector, three.
+    Vector,
+    /// xx yy zz xy yz xz.
+    Tensor,
+    /// Principal values of a tensor, largest first.
+    Principal,
+}
+
+impl Shape {
+    /// Their number.
+    pub fn components(self) -> usize {
+        match self {
+            Self::Number => 1,
+            Self::Vector | Self::Principal => 3,
+            Self::Tensor => 6,
+        }
+    }
+}
+
+/// A result of a body that has a value everywhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyField {
+    /// Its name, in all files and in Python.
+    pub name: &'static str,
+    /// Its components.
+    pub shape: Shape,
+    /// What it is.
+    pub dimension: Dimension,
+    /// Values at every node, and at the further places of the body's `borders`, with all components of a place together.
+    pub values: Vec<f64>,
 }
 
 /// How far the stress of a body goes towards the strength of its materials. The stress is elastic: what exceeds the strength
@@ -349,6 +403,54 @@ impl<const D: usize> BodySolution<D> {
     /// The stress of the cells of a block at one of their nodes.
     pub fn stress_in(&self, block: usize, node: usize) -> [f64; 6] {
         self.stress[self.borders.place(block, node)]
+    }
+
+    /// All results that have a value at every node, and at the further places of `borders`.
+    pub fn fields(&self) -> Vec<BodyField> {
+        use {Dimension::*, Shape::*};
+        let of_nodes = |values: &[Point<D>]| -> Vec<f64> {
+            let nodes = self.borders.nodes();
+            nodes.flat_map(|node| padded(values[node])).collect()
+        };
+        let field = |name, shape, dimension, values| BodyField {
+            name,
+            shape,
+            dimension,
+            values,
+        };
+        let mut fields = vec![
+            field("displacement", Vector, Length, of_nodes(&self.displacement)),
+            field("stress", Tensor, Stress, self.stress.concat()),
+            field("strain", Tensor, Ratio, self.strain.concat()),
+            field("von_mises", Number, Stress, self.von_mises.clone()),
+        ];
+        if let Some(own) = &self.utilisation {
+            fields.push(field("utilisation", Number, Ratio, own.nodal.clone()));
+        }
+        if let Some(own) = &self.yielding {
+            fields.extend([
+                field("plastic_strain", Tensor, Ratio, own.strain.concat()),
+                field(
+                    "equivalent_plastic_strain",
+                    Number,
+                    Ratio,
+                    own.equivalent.clone(),
+                ),
+                field("yielded", Number, Ratio, own.share.clone()),
+            ]);
+        }
+        let principal = self.principal_stress().concat();
+        fields.extend([
+            field("principal_stress", Principal, Stress, principal),
+            field("reaction", Vector, Force, of_nodes(&self.reactions)),
+            field(
+                "contact_force",
+                Vector,
+                Force,
+                of_nodes(&self.contact_forces),
+            ),
+        ]);
+        fields
     }
 
     /// Principal stresses at every node, and at the further places of `borders`, largest first.

@@ -12,7 +12,7 @@ use crate::model::nouns::model::{Body, Contact, Model, Pair, Rigid};
 use crate::model::nouns::solution::{BodySolution, ContactNode, ContactSolution, Status};
 use crate::model::nouns::told::named;
 use crate::model::read::remarks::mean_facet;
-use crate::model::read::stiff::{enclosed, too_stiff, uneven_pressures};
+use crate::model::read::stiff::{enclosed, locks_plastic, too_stiff, uneven_pressures};
 use crate::model::system::paired::Paired;
 use rayon::prelude::*;
 
@@ -41,9 +41,10 @@ pub(crate) fn beyond<const D: usize>(
     let each = model.bodies.par_iter().zip(bodies);
     let each = each.map(|(body, solved)| {
         let stiff = too_stiff((model, time), body, solved, all)?;
-        Ok((large((model, time), body, solved)?, stiff))
+        let stiff = stiff.into_iter().chain(locks_plastic(body, solved));
+        Ok((large((model, time), body, solved)?, stiff.collect()))
     });
-    let told: Vec<(Vec<String>, Option<String>)> = each.collect::<Result<_, Error<D>>>()?;
+    let told: Vec<(Vec<String>, Vec<String>)> = each.collect::<Result<_, Error<D>>>()?;
     let of_bodies = told
         .iter()
         .flat_map(|(large, stiff)| large.iter().chain(stiff));
@@ -57,7 +58,7 @@ pub(crate) fn beyond<const D: usize>(
     let uneven = loose.iter().filter_map(|contact| {
         let body = contact.nonmortar.body.0;
         let enough = FEW * (D - 1);
-        let holds = told[body].1.is_none();
+        let holds = told[body].1.is_empty();
         holds.then(|| uneven_pressures(model, contact, &bodies[body], enough))?
     });
     warnings.extend(uneven);

@@ -3,8 +3,8 @@
 use crate::contact::{Coupling, InterfaceNode, Role, pushed};
 use crate::dual::{AdmissibleSet, NONE};
 use crate::fem::{
-    Borders, RigidBasis, describe_motion, fit_rigid, overstress, recover_strain, recover_stress,
-    von_mises,
+    Borders, FemError, RigidBasis, Yielded, describe_motion, fit_rigid, overstress, recover_strain,
+    recover_yielded, recover_yielded_stress, von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, centroid, cross, distance, dot, norm, sub};
 use crate::model::nouns::error::Error;
@@ -21,6 +21,7 @@ use crate::model::system::shared::share_out;
 use crate::solve::{Shear, State};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Solutions of all bodies and contacts from their displacements, and forces `lambda` (m,).
 ///
@@ -65,23 +66,30 @@ pub(crate) fn fields<const D: usize>(
     let couples = couple_solutions(model, condensed, &displaced, lambda);
     let links = link_forces(model, &condensed.paired, lambda, &mut displaced.states);
     let others = couples.into_par_iter().zip(links);
-    let bodies = (&model.bodies, &condensed.bodies, displaced.states, others);
-    let bodies = bodies.into_par_iter().map(|(body, loaded, state, others)| {
-        body_solution((model, condensed.time), (body, loaded), state, others)
+    let before = condensed.state.yielded();
+    let bodies = (&model.bodies, &condensed.bodies, displaced.states);
+    let bodies = bodies.into_par_iter().zip(before).zip(others);
+    let bodies = bodies.map(|(((body, loaded, state), before), others)| {
+        let time = condensed.time;
+        body_solution((model, time), (body, loaded, before), state, others)
     });
     Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
 }
 
 fn body_solution<const D: usize>(
     (model, time): (&Model<D>, f64),
-    (body, factored): (&Body<D>, &LoadedBody<D>),
+    (body, factored, before): (&Body<D>, &LoadedBody<D>, Option<Arc<Yielded>>),
     mut state: BodyState<D>,
     (couples, bar_forces): (Vec<CoupleSolution<D>>, BTreeMap<usize, Point<D>>),
 ) -> Result<BodySolution<D>, Error<D>> {
     let fail = |source| Error::in_body(body, source);
-    let stress = recover_stress(body, model.analysis, &state.u, time).map_err(fail)?;
+    let yielded = factored.system.history.yielded.as_deref();
+    let with = (body, model.analysis);
+    let stress = recover_yielded_stress(with, &state.u, time, yielded).map_err(fail)?;
     let borders = Borders::of(body).map_err(fail)?;
-    let utilisation = overstress(body, &borders, &stress).map_err(fail)?;
+    let yielding = yielding(model, (body, yielded), (before, &state), &borders).map_err(fail)?;
+    let grown = yielding.as_ref().map(|own| &own.equivalent[..]);
+    let utilisation = overstress(body, &borders, &stress, grown).map_err(fail)?;
     let strain = recover_strain(body, model.analysis, &state.u, time).map_err(fail)?;
     let points = body.mesh.points();
     let basis = RigidBasis::of(model.analysis);
@@ -139,7 +147,39 @@ fn body_solution<const D: usize>(
             judged: own.whole,
             peak: None,
         }),
+        yielding,
     })
+}
+
+/// What has yielded of a body since the last step began.
+///
+/// Errors: a group of cells without a material.
+fn yielding<const D: usize>(
+    model: &Model<D>,
+    (body, yielded): (&Body<D>, Option<&Yielded>),
+    (before, state): (Option<Arc<Yielded>>, &BodyState<D>),
+    borders: &Borders,
+) -> Result<Option<Yielding>, FemError> {
+    if !body.is_plastic() {
+        return Ok(None);
+    }
+    let Some(yielded) = yielded else {
+        return Ok(Some(Yielding {
+            strain: vec![[0.0; 6]; borders.count()],
+            equivalent: vec![0.0; borders.count()],
+            share: vec![0.0; borders.count()],
+            extent: 0.0,
+            points: Yielded::nothing(body, model.analysis)?.0,
+        }));
+    };
+    let found = recover_yielded((body, model.analysis), yielded, before.as_deref())?;
+    Ok(Some(Yielding {
+        strain: found.strain,
+        equivalent: found.equivalent,
+        share: found.share,
+        extent: state.yielded,
+        points: yielded.0.clone(),
+    }))
 }
 
 /// Forces of beds that only press go from those of contacts to those of springs, where they belong; those of bars from there to

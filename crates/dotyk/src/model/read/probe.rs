@@ -14,9 +14,11 @@ use crate::model::nouns::bar::BarSolution;
 use crate::model::nouns::error::{Error, ProbeError};
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::{Along, Analysis, Model, Probe, Reading};
-use crate::model::nouns::quantity::{ContactField, Parts, Since, Stress, Touching};
+use crate::model::nouns::quantity::{ContactField, Parts, Since, Stress, Touching, Yielded};
 use crate::model::nouns::section::{SectionQuantity, SectionSolution};
-use crate::model::nouns::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
+use crate::model::nouns::solution::{
+    BodySolution, ContactNode, LinePoint, ProbeValue, Solution, Yielding,
+};
 use crate::model::read::line::{
     Breaks, Station, points_between, stations_along, stations_at, stations_within,
 };
@@ -115,9 +117,10 @@ fn site<const D: usize>(
         return couple.map(|_| nowhere);
     }
     let carrier = match &probe.quantity.parts {
-        Parts::Displacement(of, _) | Parts::Stress(of, _) | Parts::Utilisation(of) => {
-            Carrier::Body(*of)
-        }
+        Parts::Displacement(of, _)
+        | Parts::Stress(of, _)
+        | Parts::Utilisation(of)
+        | Parts::Yielding(of, _) => Carrier::Body(*of),
         Parts::Rotation(..) => return Err(ProbeError::NoCouple),
         Parts::Obstacle(of, _) if sides[*of].1 => {
             return Err(ProbeError::NoObstacle);
@@ -449,8 +452,29 @@ fn field<'a, const D: usize>(
                 .map(|block| body.material(block).ok()?.strength)
                 .collect();
             let value = move |at: &Located<D>| {
+                // what yields has no more than its yield stress at points, whatever lies between nodes
+                if let (Some(_), Some(own)) = (&solved.yielding, &solved.utilisation) {
+                    let place = |node: usize| solved.borders.place(at.block, node);
+                    return at.interpolate(|node| [own.nodal[place(node)]])[0];
+                }
                 let tensor = at.interpolate(|node| solved.stress_in(at.block, node));
                 strengths[at.block].map_or(f64::NAN, |strength| strength.utilisation(tensor))
+            };
+            Quantified::Varies(ReadField::new(Carrier::Body(of), value))
+        }
+        Parts::Yielding(of, what) => {
+            let solved = body(of).1;
+            let value = move |at: &Located<D>| {
+                let own = solved.yielding.as_ref();
+                let of_place = |own: &Yielding, place: usize| match what {
+                    Yielded::Strain(component) => own.strain[place][component],
+                    Yielded::Equivalent => own.equivalent[place],
+                    Yielded::Share => own.share[place],
+                };
+                own.map_or(f64::NAN, |own| {
+                    let place = |node: usize| solved.borders.place(at.block, node);
+                    at.interpolate(|node| [of_place(own, place(node))])[0]
+                })
             };
             Quantified::Varies(ReadField::new(Carrier::Body(of), value))
         }

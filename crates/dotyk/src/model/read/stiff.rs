@@ -67,6 +67,27 @@ pub(crate) fn too_stiff<const D: usize>(
     )))
 }
 
+/// A body that has yielded in linear cells: what yields keeps its volume, and they cannot do so and deform.
+pub(crate) fn locks_plastic<const D: usize>(
+    body: &Body<D>,
+    solved: &BodySolution<D>,
+) -> Option<String> {
+    let yielded = solved.yielding.as_ref().is_some_and(|own| own.extent > 0.0);
+    let linear = |kind: CellKind| kind.order() == 1;
+    let linear = body
+        .mesh
+        .blocks()
+        .iter()
+        .map(|block| block.kind)
+        .find(|kind| linear(*kind));
+    let kind = linear.filter(|_| yielded)?;
+    Some(format!(
+        "body \"{}\" yields in linear cells ({}): what yields keeps its volume, which they cannot do and deform freely, so that they give way too little and bear too much; use quadratic cells",
+        solved.name,
+        kind.name()
+    ))
+}
+
 /// Cells that bend, or keep their volume, in place of linear ones.
 fn instead(kind: CellKind, analysis: Analysis, locks: bool) -> &'static str {
     let turns = analysis == Analysis::Axisymmetric;

@@ -31,7 +31,7 @@ use crate::model::system::joints::restore;
 use crate::model::system::memory::{self, Demand};
 use crate::model::system::pair::pair_all;
 use crate::model::system::paired::{Paired, initial_gaps};
-use crate::model::system::state::State;
+use crate::model::system::state::{AllYielded, State};
 use rayon::prelude::*;
 use std::mem::take;
 use std::sync::Arc;
@@ -316,6 +316,7 @@ pub(crate) fn advance<const D: usize>(
 ) -> Result<Condensed<D>, Error<D>> {
     let lost = |name: &str| state.lost(name);
     restore(model, &mut here.paired, &lost);
+    carry(&mut here, state.yielded());
     (here.time, here.state) = (time, Arc::clone(&state));
     drive(model, &mut here, observe)?;
     Ok(here)
@@ -334,6 +335,45 @@ pub(crate) fn again<const D: usize>(
         pair.lost.clone_from(lost);
     }
     drive(model, here, observe)
+}
+
+/// The same step with other plastic strains of its bodies, which change its loads.
+///
+/// Errors: those of the step itself.
+pub(crate) fn assume<const D: usize>(
+    model: &Model<D>,
+    here: &mut Condensed<D>,
+    yielded: AllYielded,
+) -> Result<(), Error<D>> {
+    carry(here, yielded);
+    drive(model, here, &mut |_| {})
+}
+
+/// The same step as far as a part of it: at a time between the step before and its own, in the first step with a part of all
+/// loads and prescribed displacements.
+///
+/// Errors: those of the step itself.
+pub(crate) fn go_part<const D: usize>(
+    model: &Model<D>,
+    here: &mut Condensed<D>,
+    (now, part): (f64, f64),
+) -> Result<(), Error<D>> {
+    match here.state.time() {
+        Some(_) if part == 1.0 => here.time = now,
+        Some(before) => here.time = before + part * (now - before),
+        None => {
+            for body in &mut here.bodies {
+                body.system.history.left_out = 1.0 - part;
+            }
+        }
+    }
+    drive(model, here, &mut |_| {})
+}
+
+fn carry<const D: usize>(here: &mut Condensed<D>, yielded: AllYielded) {
+    for (body, yielded) in here.bodies.iter_mut().zip(yielded) {
+        body.system.history.yielded = yielded;
+    }
 }
 
 /// Takes d, e and the friction bounds anew, at the time and from the state that are told.

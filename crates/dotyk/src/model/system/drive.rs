@@ -32,7 +32,13 @@ pub(crate) fn driven<const D: usize>(
         .collect::<Result<Vec<_>, _>>()?
         .into_iter()
         .unzip();
-    let of_rigid = rigid_systems(model, time)?;
+    let mut of_rigid = rigid_systems(model, time)?;
+    let left_out = systems
+        .first()
+        .map_or(0.0, |s: &BodySystem<D>| s.history.left_out);
+    of_rigid
+        .iter_mut()
+        .for_each(|part| part.scale(1.0 - left_out));
     // the parts of links do not know the time
     let links = rigid.split_off(of_rigid.len());
     systems.extend(of_rigid);

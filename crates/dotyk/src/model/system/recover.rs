@@ -60,6 +60,8 @@ pub(crate) struct BodyState<const D: usize> {
     /// External, support, spring and contact force of every node.
     pub total: Vec<Point<D>>,
     pub strain_energy: f64,
+    /// Area of what has a plastic strain, in space volume.
+    pub yielded: f64,
     /// 1/2 uᵀKu of its springs.
     pub spring_energy: f64,
     /// 2·(strain energy and that of springs) − (f + R)·(elastic displacement): minus the work of the contact forces on it, when all forces
@@ -174,6 +176,7 @@ impl<const D: usize> BodyState<D> {
             contact_forces: system.to_global(&push.iter().map(|force| -force).collect::<Vec<_>>()),
             total: system.to_global(&total),
             strain_energy,
+            yielded: 0.0,
             spring_energy,
             unbalanced_work: 2.0 * (strain_energy + spring_energy) - external,
         };

@@ -16,7 +16,7 @@
 //! All of these u_a are one thing: what bodies had moved when something came.
 
 use crate::dual::Multipliers;
-use crate::fem::History;
+use crate::fem::{History, Yielded};
 use crate::geometry::{Field, Point, add_scaled, distance, dot};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
@@ -34,6 +34,9 @@ type Motion<const D: usize> = Option<Arc<[Point<D>]>>;
 
 /// Those of the bodies of a whole model at some moment.
 type Moved<const D: usize> = Arc<[Motion<D>]>;
+
+/// What has yielded of each of some bodies, `None` where nothing has.
+pub(crate) type AllYielded = Vec<Option<Arc<Yielded>>>;
 
 /// What comes later than the first load step, by its place in the whole model or by its name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -92,6 +95,8 @@ pub(crate) struct State<const D: usize> {
     released: Vec<Vec<(Arc<[Point<D>]>, Field)>>,
     /// By the names of contacts and links.
     records: BTreeMap<String, Record>,
+    /// By body, what has yielded of it: plastic strains at the points of its cells.
+    yielded: AllYielded,
     /// Forces and e of the last step of this stage.
     pub forces: Option<Multipliers>,
     pub load: Option<(f64, Vec<f64>)>,
@@ -112,6 +117,7 @@ impl<const D: usize> State<D> {
             fitted: vec![None; count],
             released: vec![Vec::new(); count],
             records: BTreeMap::new(),
+            yielded: vec![None; count],
             forces: None,
             load: None,
         }
@@ -125,6 +131,11 @@ impl<const D: usize> State<D> {
     /// Some step has been.
     pub fn goes_on(&self) -> bool {
         self.time.is_some()
+    }
+
+    /// Time of the last step, if there was one.
+    pub fn time(&self) -> Option<f64> {
+        self.time
     }
 
     /// The forces as a starting point. Contacts that bear nothing tell nothing: the solver's own start is better.
@@ -152,14 +163,15 @@ impl<const D: usize> State<D> {
         (0..there.len()).filter(|&body| there[body]).collect()
     }
 
-    /// Remembers a solved step of the stage: e (r,) and the forces, how far its pairs have slid (m,) and what they have lost; tells
-    /// its bodies what they were fitted to.
+    /// Remembers a solved step of the stage: e (r,) and the forces, how far its pairs have slid (m,) and what they have lost, and what
+    /// has yielded of its bodies; tells these what they were fitted to.
     pub fn remember(
         &mut self,
         solution: &mut Solution<D>,
         paired: &[Paired<D>],
         (load, forces): (&[f64], Multipliers),
         (slip, lost): (&[f64], &[Vec<bool>]),
+        yielded: AllYielded,
     ) {
         self.load = Some((solution.time, load.to_vec()));
         self.forces = Some(forces);
@@ -174,6 +186,9 @@ impl<const D: usize> State<D> {
             record.dissipated = contact.dissipated_total;
             let moved = contact.obstacle.map(|moved| (contact.name.clone(), moved));
             self.obstacles.extend(moved);
+        }
+        for (body, yielded) in self.whole().into_iter().zip(yielded) {
+            self.yielded[body] = yielded;
         }
         self.time = Some(solution.time);
         let mut moved = vec![None; self.moved.len()];
@@ -208,6 +223,7 @@ impl<const D: usize> State<D> {
         for thing in self.new_things(model, &next) {
             if let Thing::Body(body) = thing {
                 self.fitted[body] = self.fitted_to(model, body);
+                self.yielded[body] = None;
             }
             let moved = self.moved.clone();
             self.births.insert(thing, Birth { step, moved });
@@ -282,9 +298,17 @@ impl<const D: usize> State<D> {
                 placed: came(&self.presence.supports[body], Thing::Support),
                 sprung: came(&self.presence.springs[body], Thing::Spring),
                 released: self.released[body].clone(),
+                yielded: self.yielded[body].clone(),
+                left_out: 0.0,
             }
         };
         self.whole().into_iter().map(of_body).collect()
+    }
+
+    /// What has yielded of each body of the stage.
+    pub fn yielded(&self) -> AllYielded {
+        let there = self.whole().into_iter();
+        there.map(|body| self.yielded[body].clone()).collect()
     }
 
     /// Work that the friction of a contact has dissipated.

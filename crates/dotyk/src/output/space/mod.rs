@@ -9,6 +9,7 @@ mod contact;
 mod face;
 mod friction;
 mod marks;
+mod picture;
 mod scene;
 mod section;
 mod setup;
@@ -18,11 +19,10 @@ mod stress;
 mod tests;
 mod thin;
 mod turning;
-mod utilisation;
 
+pub use picture::picture;
 pub use scene::Scene;
 pub use setup::model_figure;
-pub use utilisation::utilisation_figure as utilisation_figures;
 
 use crate::model::Solution;
 use crate::output::markup::Markup;

@@ -1,9 +1,10 @@
-//! Picture "Utilisation" of a model in space: the surface of the bodies, undeformed, with the lines where the utilisation is 1.
+//! Pictures of a result on the surface of the bodies of a model in space, undeformed, with the lines where it reaches a limit.
 
 use crate::model::Solution;
 use crate::output::deformed::BAR;
 use crate::output::html;
 use crate::output::markup::Markup;
+use crate::output::picture::Picture;
 use crate::output::scene::WIDTH;
 use crate::output::space::camera::Window;
 use crate::output::space::canvas::{Canvas, Ink, Paint};
@@ -12,9 +13,6 @@ use crate::output::space::setup::WORDS;
 use crate::output::space::skin::Look;
 use crate::output::svg::{ALARM, INK, Svg, Type};
 use crate::output::text::{Labels, number};
-use crate::output::utilisation::{
-    caption, drawn, end_of_scale, largest_utilisation, utilisation_bar,
-};
 use rayon::prelude::*;
 
 /// Room around the bodies.
@@ -32,43 +30,48 @@ const LIMIT: Ink = Ink {
 };
 
 /// The figure.
-pub fn utilisation_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
+pub fn picture(scene: &Scene<'_>, solution: &Solution<3>, picture: &Picture<3>) -> Markup {
     let labels = Labels::of(scene.model);
     let extents = scene.cameras.map(|camera| camera.extent(scene.nodes()));
     let (windows, height) = windows(&scene.cameras, &extents, MARGIN, WIDTH - BAR);
-    let title = "Utilisation of the strength";
-    let mut svg = Svg::new("utilisation", title, WIDTH, height);
-    let peak = largest_utilisation(solution).map(|(_, peak)| peak.most);
+    let mut svg = Svg::new(picture.id, picture.title, WIDTH, height);
     let pictures = windows.par_iter().map(|window| {
-        let canvas = painted(scene, solution, window);
-        let seen = peak.filter(|most| canvas.sees(window.place(most.at), SEEN));
+        let canvas = painted(scene, solution, picture, window);
+        let most = picture.most;
+        let seen = most.filter(|(at, _)| canvas.sees(window.place(*at), SEEN));
         (canvas.png(), seen)
     });
     let pictures: Vec<_> = pictures.collect();
     for ((window, word), (png, seen)) in windows.iter().zip(WORDS).zip(pictures) {
         svg.picture(window.corner, window.size, &png);
-        if let Some(most) = seen {
-            let at = window.pixel(most.at);
+        if let Some((at, most)) = seen {
+            let at = window.pixel(at);
             let above = [at[0], at[1] - 9.0];
-            svg.circle(at, 4.0, INK, ALARM, "largest utilisation");
-            svg.text(above, &number(most.value), Type::LABEL.rimmed());
+            svg.circle(at, 4.0, INK, ALARM, picture.most_called);
+            svg.text(above, &number(most), Type::LABEL.rimmed());
         }
         triad_and_scale(&mut svg, window, &labels, word);
     }
-    utilisation_bar(&mut svg, solution, height - 40.0);
-    html::figure(&svg.finish(), title, &caption(solution))
+    picture.bar(&mut svg, height - 40.0);
+    html::figure(&svg.finish(), picture.title, &picture.caption)
 }
 
-fn painted(scene: &Scene<'_>, solution: &Solution<3>, window: &Window) -> Canvas {
+fn painted(
+    scene: &Scene<'_>,
+    solution: &Solution<3>,
+    picture: &Picture<3>,
+    window: &Window,
+) -> Canvas {
     let mut canvas = Canvas::new(window.size, &[PALE, HEAVY, LIMIT]);
-    let high = end_of_scale(solution);
+    let high = picture.high;
     let looks = scene
         .skins
         .iter()
         .zip(&solution.bodies)
-        .map(|(skin, body)| {
+        .zip(&picture.values)
+        .map(|((skin, body), values)| {
             let mut look = Look::at(window, skin.mesh.points());
-            look.values = drawn(body).into_iter().map(|value| value / high).collect();
+            look.values = values.iter().map(|value| value / high).collect();
             look.borders = body.borders.clone();
             look
         });
@@ -78,7 +81,7 @@ fn painted(scene: &Scene<'_>, solution: &Solution<3>, window: &Window) -> Canvas
     }
     for (skin, look) in scene.skins.iter().zip(&looks) {
         skin.outline(&mut canvas, window, look, [Some(0), Some(1)]);
-        skin.level(&mut canvas, look, 1.0 / high, 2);
+        skin.level(&mut canvas, look, picture.limit / high, 2);
     }
     canvas
 }

@@ -1,0 +1,393 @@
+//! Metal that yields: von Mises' criterion with linear isotropic hardening H, at the points of integration of the stiffness.
+//!
+//! ```text
+//!   f = σᵥ − (σ_Y + H p) ≤ 0,        dε_p = dp · 3s/(2σᵥ),        dp ≥ 0,  f dp = 0,        σ = C(ε(u) − ε₀ − ε_p) + σ₀
+//! ```
+//!
+//! with the deviator s of the stress, the plastic strain ε_p and the equivalent plastic strain p. A load step is one implicit
+//! increment of them: from those of the step before, the trial stress σ* is returned along its own deviator,
+//!
+//! ```text
+//!   Δp = max(0, σᵥ* − σ_Y − H p⁰)/(3μ + H),        ε_p = ε_p⁰ + Δp · 3s*/(2σᵥ*)
+//! ```
+//!
+//! *Equilibrium.* ε_p is a strain that is there before the body deforms, as that of temperature is (`initial.rs`): it enters the
+//! load alone, K u = f + ∫ Cε_p·∇N dV, and the stiffness stays that of the elastic body. What is asked for is the ε_p that returns
+//! to itself, ε_p = R(ε(u(ε_p))). The increment minimises a convex energy whose stiffness is at most C, so that u ← u(R(ε(u))) is
+//! a descent that never overshoots; it is accelerated (`model/march/yields.rs`).
+//!
+//! Components xx yy zz xy yz xz, tensorial, elongation positive; with axial symmetry zz is the hoop component.
+//! Source: as described in J. C. Simo and T. J. R. Hughes, Computational Inelasticity, chapters 2 and 3.
+
+use crate::fem::block::Cells;
+use crate::fem::cells::measure;
+use crate::fem::elasticity::Lame;
+use crate::fem::error::FemError;
+use crate::fem::initial::along;
+use crate::fem::nouns::{Analysis, Body, Formulation, Material};
+use crate::fem::strength::Strength;
+use crate::fem::stress::{sum, von_mises};
+use crate::geometry::{Point, add_scaled, norm};
+use crate::mesh::{CellBlock, MAX_CELL_NODES};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// How a material yields where its stress reaches its strength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plastic {
+    /// H, by how much the yield stress grows with the equivalent plastic strain, ≥ 0, a stress.
+    pub hardening: f64,
+}
+
+/// The law of the points of some cells.
+#[derive(Debug, Clone, Copy)]
+struct Metal {
+    lame: Lame,
+    yield_stress: f64,
+    hardening: f64,
+}
+
+/// Plastic strain, and behind it the equivalent one.
+pub(crate) type Strained = [f64; 7];
+
+/// Of a point that has not yielded.
+const NOTHING: Strained = [0.0; 7];
+
+/// What has yielded of a body: plastic strains at the points of all cells, in their order, zeros where nothing has.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Yielded(pub Vec<Strained>);
+
+/// What an increment of plastic strain has done.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Increment {
+    /// The largest stress beyond the yield stress that is left.
+    pub beyond: f64,
+    /// The largest von Mises stress before anything was returned.
+    pub trial: f64,
+    /// The largest force of a cell on a node.
+    pub force: f64,
+    /// Elastic energy, ½∫ (ε − ε_p):C(ε − ε_p) dV.
+    pub stored: f64,
+    /// ∫ σ:Δε_p dV.
+    pub dissipated: f64,
+    /// The same of the points where it is negative.
+    pub gained: f64,
+    /// Area of the section, volume in space, of points whose plastic strain is not zero.
+    pub extent: f64,
+}
+
+impl Metal {
+    /// What a material that yields does, `None` of one that does not.
+    fn of(material: &Material, analysis: Analysis) -> Option<Self> {
+        let (Some(plastic), Some(Strength::VonMises { yield_stress })) =
+            (material.plastic, material.strength)
+        else {
+            return None;
+        };
+        Some(Self {
+            lame: Lame::new(material.elastic, analysis),
+            yield_stress,
+            hardening: plastic.hardening,
+        })
+    }
+
+    /// By how much a stress is beyond the yield stress of what has yielded by p.
+    fn beyond(self, stress: [f64; 6], p: f64) -> f64 {
+        von_mises(stress) - (self.yield_stress + self.hardening * p)
+    }
+
+    /// The plastic strain behind a stress at which nothing more has yielded than before.
+    fn returned(self, trial: [f64; 6], before: Strained) -> Strained {
+        let beyond = self.beyond(trial, before[6]);
+        if beyond <= 0.0 {
+            return before;
+        }
+        let more = beyond / (3.0 * self.lame.mu + self.hardening);
+        let mean = (trial[0] + trial[1] + trial[2]) / 3.0;
+        let along = 1.5 * more / von_mises(trial);
+        std::array::from_fn(|c| match c {
+            0..3 => before[c] + along * (trial[c] - mean),
+            3..6 => before[c] + along * trial[c],
+            _ => before[c] + more,
+        })
+    }
+}
+
+impl<const D: usize> Body<D> {
+    /// Some material of it yields.
+    pub fn is_plastic(&self) -> bool {
+        self.materials.iter().any(|m| m.plastic.is_some())
+    }
+
+    /// Errors: a material that yields by another law than is there, or without one; a hardening that is negative; an analysis or
+    /// formulation in which nothing yields.
+    pub(crate) fn check_plastic(&self, analysis: Analysis) -> Result<(), FemError> {
+        for material in &self.materials {
+            let Some(plastic) = material.plastic else {
+                continue;
+            };
+            plastic.check(material.strength.as_ref())?;
+        }
+        let why = match (self.is_plastic(), analysis, self.formulation) {
+            (false, ..) => return Ok(()),
+            (_, Analysis::PlaneStress, _) => {
+                "is not supported yet in plane stress: use plane strain, axial symmetry or space"
+            }
+            (_, _, Formulation::Enhanced) => {
+                "is not supported yet with `formulation = \"enhanced\"`: use quadratic cells"
+            }
+            _ => return Ok(()),
+        };
+        Err(FemError::Plastic { why })
+    }
+}
+
+impl Plastic {
+    /// Its constants, and the strength at which it begins.
+    ///
+    /// Errors: [`FemError::Plastic`] and [`FemError::Material`] that tell what is wrong.
+    pub(crate) fn check(&self, strength: Option<&Strength>) -> Result<(), FemError> {
+        if !(self.hardening >= 0.0 && self.hardening.is_finite()) {
+            return Err(FemError::Material {
+                name: "hardening",
+                value: self.hardening,
+                range: "it must not be negative",
+            });
+        }
+        match strength {
+            Some(Strength::VonMises { .. }) => Ok(()),
+            Some(_) => Err(FemError::Plastic {
+                why: "is supported for von Mises' criterion alone so far, `strength = { yield = .. }`",
+            }),
+            None => Err(FemError::Plastic {
+                why: "needs a strength at which it begins: add `strength = { yield = .. }`",
+            }),
+        }
+    }
+}
+
+/// The points of a block of cells.
+struct Points<'a, const D: usize> {
+    block: &'a CellBlock,
+    cells: Cells<'a, D>,
+    /// `None`: they do not yield.
+    metal: Option<Metal>,
+    /// Their places among all points of the body.
+    range: Range<usize>,
+}
+
+/// Those of all blocks of a body. Errors: a group of cells without a material.
+fn points<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+) -> Result<Vec<Points<'_, D>>, FemError> {
+    let mut end = 0;
+    let blocks = body.mesh.blocks().iter().map(|block| {
+        let cells = Cells::new(body, block, analysis, body.formulation)?;
+        let start = end;
+        end += cells.table.len() * block.cells().len();
+        Ok(Points {
+            block,
+            metal: Metal::of(body.material(block)?, analysis),
+            cells,
+            range: start..end,
+        })
+    });
+    blocks.collect()
+}
+
+impl Yielded {
+    /// Nothing has, anywhere.
+    pub fn is_nothing(&self) -> bool {
+        self.0.iter().all(|point| *point == NOTHING)
+    }
+
+    /// Nothing has yet. Errors: a group of cells without a material.
+    pub fn nothing<const D: usize>(body: &Body<D>, analysis: Analysis) -> Result<Self, FemError> {
+        let points = points(body, analysis)?;
+        Ok(Self(vec![
+            NOTHING;
+            points.last().map_or(0, |last| last.range.end)
+        ]))
+    }
+
+    /// The plastic strains of each block of a body, (cells · points,).
+    ///
+    /// Errors: a group of cells without a material.
+    pub fn of_blocks<const D: usize>(
+        &self,
+        body: &Body<D>,
+        analysis: Analysis,
+    ) -> Result<Vec<&[Strained]>, FemError> {
+        let points = points(body, analysis)?.into_iter();
+        Ok(points.map(|own| &self.0[own.range]).collect())
+    }
+
+    /// What has yielded under nodal displacements at a time, where this had yielded before.
+    ///
+    /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
+    pub fn returned<const D: usize>(
+        &self,
+        (body, analysis): (&Body<D>, Analysis),
+        state: (&[Point<D>], f64),
+    ) -> Result<Self, FemError> {
+        let mut after = self.clone();
+        for own in points(body, analysis)? {
+            let (cells, Some(metal)) = (&own.cells, own.metal) else {
+                continue;
+            };
+            let (count, k) = (cells.table.len(), own.block.kind.nodes());
+            after.0[own.range]
+                .par_chunks_mut(count)
+                .zip(own.block.nodes.par_chunks(k))
+                .with_min_len(CHUNK)
+                .try_for_each(|(points, cell)| {
+                    for (q, point) in points.iter_mut().enumerate() {
+                        let trial = stress(body, cells, (cell, q), state, point)?;
+                        *point = metal.returned(trial, *point);
+                    }
+                    Ok(())
+                })?;
+        }
+        Ok(after)
+    }
+
+    /// What has been done from `before` to here, under nodal displacements at a time.
+    ///
+    /// Errors: those of [`Self::returned`].
+    pub fn since<const D: usize>(
+        &self,
+        before: &Self,
+        (body, analysis): (&Body<D>, Analysis),
+        state: (&[Point<D>], f64),
+    ) -> Result<Increment, FemError> {
+        let mut done = Increment::default();
+        for own in points(body, analysis)? {
+            let (cells, count) = (&own.cells, own.cells.table.len());
+            let mut each = self.0[own.range.clone()].iter().zip(&before.0[own.range]);
+            for cell in own.block.cells() {
+                let mut forces = [[0.0; D]; MAX_CELL_NODES];
+                for (q, (now, before)) in (&mut each).take(count).enumerate() {
+                    let here = cells.deformation(q, (cell, &[]), state.0);
+                    let strain = cells.lame.strain(here.gradient, here.hoop);
+                    let elastic = std::array::from_fn(|c| strain[c] - now[c]);
+                    let pull = cells.lame.stress_of(elastic, analysis);
+                    done.stored += 0.5 * here.volume * work(pull, elastic);
+                    let Some(metal) = own.metal else { continue };
+                    let found = stress(body, cells, (cell, q), state, now)?;
+                    let trial = stress(body, cells, (cell, q), state, before)?;
+                    done.beyond = done.beyond.max(metal.beyond(found, now[6]));
+                    done.trial = done.trial.max(von_mises(trial));
+                    add_stress(cells, (cell, q), found, &mut forces[..cell.len()]);
+                    if *now == NOTHING {
+                        continue;
+                    }
+                    let more = std::array::from_fn(|c| now[c] - before[c]);
+                    let work = here.volume * work(found, more);
+                    done.dissipated += work;
+                    done.gained += work.min(0.0);
+                    done.extent += here.volume / measure(analysis, body.thickness, here.point);
+                }
+                let sizes = forces.into_iter().map(norm);
+                done.force = sizes.fold(done.force, f64::max);
+            }
+        }
+        Ok(done)
+    }
+
+    /// What is more here than elsewhere.
+    pub fn less(mut self, other: Option<&Self>) -> Self {
+        let both = self.0.iter_mut().zip(other.into_iter().flat_map(|o| &o.0));
+        for (own, other) in both {
+            own.iter_mut().zip(other).for_each(|(a, b)| *a -= b);
+        }
+        self
+    }
+
+    /// ∫ Cε_p·∇Nₐ dV, what the plastic strain adds to the load, (nodes,), in global axes.
+    ///
+    /// Errors: a group of cells without a material.
+    pub fn forces<const D: usize>(
+        &self,
+        body: &Body<D>,
+        analysis: Analysis,
+    ) -> Result<Vec<Point<D>>, FemError> {
+        let mut forces = vec![[0.0; D]; body.mesh.points().len()];
+        for own in points(body, analysis)? {
+            let (cells, k) = (&own.cells, own.block.kind.nodes());
+            let mut of_cells = vec![[0.0; D]; own.block.nodes.len()];
+            (of_cells.par_chunks_mut(k))
+                .zip(own.block.nodes.par_chunks(k))
+                .zip(self.0[own.range].par_chunks(cells.table.len()))
+                .with_min_len(CHUNK)
+                .for_each(|((out, cell), points)| add_cell(cells, cell, points, out));
+            for (&node, force) in own.block.nodes.iter().zip(of_cells) {
+                forces[node as usize] = add_scaled(forces[node as usize], 1.0, force);
+            }
+        }
+        Ok(forces)
+    }
+}
+
+/// σ:ε.
+fn work(stress: [f64; 6], strain: [f64; 6]) -> f64 {
+    let part = |c: usize| stress[c] * strain[c] * if c < 3 { 1.0 } else { 2.0 };
+    (0..6).map(part).sum()
+}
+
+/// Adds ∫ Cε_p·∇Nₐ dV of one cell, whose points have these plastic strains, to forces on its nodes.
+pub(crate) fn add_cell<const D: usize>(
+    cells: &Cells<'_, D>,
+    cell: &[u32],
+    points: &[Strained],
+    forces: &mut [Point<D>],
+) {
+    let yielded = points.iter().enumerate();
+    for (q, point) in yielded.filter(|(_, point)| **point != NOTHING) {
+        let less = plastic_stress(cells.lame, cells.analysis, point);
+        add_stress(cells, (cell, q), less, forces);
+    }
+}
+
+/// Adds what a stress at a point of a cell does at its nodes, σ·∇Nₐ dV.
+fn add_stress<const D: usize>(
+    cells: &Cells<'_, D>,
+    (cell, q): (&[u32], usize),
+    stress: [f64; 6],
+    forces: &mut [Point<D>],
+) {
+    let (at, gradients, weight) = cells.map(q, cell);
+    let nodes = forces.iter_mut().zip(&gradients).zip(cells.table.shape(q));
+    for ((force, gradient), shape) in nodes {
+        *force = add_scaled(*force, weight, along(stress, *gradient));
+        if cells.analysis == Analysis::Axisymmetric {
+            force[0] += weight * stress[2] * shape / at[0];
+        }
+    }
+}
+
+/// Cε_p.
+pub(crate) fn plastic_stress(lame: Lame, analysis: Analysis, point: &Strained) -> [f64; 6] {
+    lame.stress_of(std::array::from_fn(|c| point[c]), analysis)
+}
+
+/// The total stress of a point of a cell that has this plastic strain.
+pub(crate) fn stress<const D: usize>(
+    body: &Body<D>,
+    cells: &Cells<'_, D>,
+    (cell, q): (&[u32], usize),
+    (displacement, time): (&[Point<D>], f64),
+    plastic: &Strained,
+) -> Result<[f64; 6], FemError> {
+    let here = cells.deformation(q, (cell, &[]), displacement);
+    let law = (cells.lame, cells.analysis);
+    let elastic = cells.lame.stress(here.gradient, here.hoop);
+    let less = plastic_stress(cells.lame, cells.analysis, plastic);
+    let strain = body.initial.of_strain(law, here.point, time)?;
+    let stress = body.initial.stress_at(here.point, time)?;
+    let elastic = std::array::from_fn(|c| elastic[c] - less[c]);
+    Ok(sum(sum(elastic, strain), stress))
+}
+
+/// Cells per parallel task.
+const CHUNK: usize = 64;

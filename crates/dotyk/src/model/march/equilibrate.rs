@@ -1,0 +1,307 @@
+//! Equilibrium of bodies that yield: elastic problems with contact, one after the other, until the plastic strain is that of the
+//! answer.
+//!
+//! ```text
+//!   t ─ R ─▶ ε_p ─ K, F, contact ─▶ u(ε_p) =: T(t),        T(t) = t
+//! ```
+//!
+//! R returns the stress of displacements t to what the material bears (`fem/plastic.rs`), from the plastic strain that the step
+//! began with; the load of ε_p then moves the bodies to u, with the factors and F of the elastic bodies, contact solved to the
+//! end. With von Mises' law and contact without friction T is the steepest descent of a convex energy in the norm of the elastic
+//! one, with a step that never overshoots. Anderson's method makes of its hundreds of steps some tens.
+//!
+//! *When it ends.* (u, R(u)) is the answer: its stress is one that the material bears, and what its nodes leave unbalanced is
+//! the load of R(u) − ε_p. Where that is nothing beside the largest force of a cell on a node, the answer is judged as that of the
+//! elastic problem. Bodies that do not yield pass once, and nothing of this is done.
+
+use crate::dual::OfYield;
+use crate::fem::{FemError, Increment, Yielded};
+use crate::geometry::{Point, norm};
+use crate::model::march::attempt::{Attempt, Start, certified_attempt, run};
+use crate::model::march::judge::Judged;
+use crate::model::nouns::error::{Error, Objection};
+use crate::model::nouns::event::Event;
+use crate::model::nouns::model::{Body, Model};
+use crate::model::system::condense::{Condensed, assume, go_part};
+use crate::model::system::recover::elastic_displacement;
+use crate::model::system::state::AllYielded;
+use crate::solve::{Anderson, Outcome};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Most elastic problems of one step.
+const MOST: usize = 600;
+
+/// Most of them while the part of a step is looked for that bodies can bear, and how narrowly that is told.
+const FEWER: usize = 200;
+const NARROW: f64 = 1e-3;
+
+/// What is left unbalanced where the accelerated steps end, of what may be: the judge has still to solve once more.
+const BELOW: f64 = 0.1;
+
+/// Displacements that strain each body, (D·n,), in the frames of its nodes.
+type Strained = Vec<Vec<f64>>;
+
+/// Runs the solver until the certificate holds and the bodies have yielded as much as their displacements say.
+///
+/// Errors: those of [`certified_attempt`].
+pub(crate) fn equilibrate<const D: usize>(
+    model: &Model<D>,
+    condensed: &mut Condensed<D>,
+    from: Start<'_>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
+    let (mut attempt, mut judged) = certified_attempt(model, condensed, from, observe)?;
+    if !model.bodies.iter().any(Body::is_plastic) {
+        return Ok((attempt, judged));
+    }
+    let mut turns = Turns::new(model, condensed)?;
+    while attempt.failure.is_none() {
+        let left = turns.left(model, condensed, &judged.displaced.strained)?;
+        let size = turns.size(model, condensed, &judged.displaced.strained)?;
+        if left <= model.solver.tolerance * size {
+            break;
+        }
+        if turns.done >= MOST {
+            let start = (judged.displaced.strained.clone(), &attempt, from);
+            let carried = turns.carried(model, condensed, start)?;
+            attempt.failure = Some(Objection::Yields {
+                turns: MOST,
+                carried,
+            });
+            break;
+        }
+        let start = judged.displaced.strained;
+        (_, attempt) = turns.settle(model, condensed, (start, attempt, from), observe)?;
+        let guess = attempt.outcome.multipliers.clone();
+        let start = Start {
+            guess: Some(&guess),
+            ..from
+        };
+        let (further, again) = certified_attempt(model, condensed, start, observe)?;
+        (attempt, judged) = (attempt.followed_by(further), again);
+    }
+    turns.take_over(model, condensed, &mut judged)?;
+    Ok((attempt, judged))
+}
+
+/// The search for the plastic strain of a step.
+struct Turns {
+    /// That which the step began with, of bodies that may yield.
+    began: Vec<Option<Yielded>>,
+    /// Elastic problems that have been solved.
+    done: usize,
+}
+
+impl Turns {
+    fn new<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> Result<Self, Error<D>> {
+        let before = condensed.state.yielded().into_iter();
+        let began = before.zip(&model.bodies).map(|(before, body)| {
+            let began = match (body.is_plastic(), before) {
+                (false, _) => return Ok(None),
+                (true, Some(before)) => Ok(Yielded::clone(&before)),
+                (true, None) => Yielded::nothing(body, model.analysis),
+            };
+            began.map(Some).map_err(|why| Error::in_body(body, why))
+        });
+        Ok(Self {
+            began: began.collect::<Result<_, _>>()?,
+            done: 0,
+        })
+    }
+
+    /// What is made of each body that may yield, by its index, the plastic strain that it began with, and its displacements in
+    /// global axes.
+    fn each<const D: usize, T: Send>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+        make: impl Fn(usize, &Yielded, &[Point<D>]) -> Result<T, FemError> + Sync,
+    ) -> Result<Vec<Option<T>>, Error<D>> {
+        let each = self.began.par_iter().enumerate().map(|(index, began)| {
+            let Some(began) = began else { return Ok(None) };
+            let u = condensed.bodies[index].system.to_global(&strained[index]);
+            let made = make(index, began, &u);
+            made.map(Some)
+                .map_err(|why| Error::in_body(&model.bodies[index], why))
+        });
+        each.collect()
+    }
+
+    /// R of displacements.
+    fn returned<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+    ) -> Result<AllYielded, Error<D>> {
+        let returned = self.each(model, condensed, strained, |index, began, u| {
+            let of = (&model.bodies[index], model.analysis);
+            began.returned(of, (u, condensed.time))
+        })?;
+        let some = |yielded: Yielded| (!yielded.is_nothing()).then(|| Arc::new(yielded));
+        Ok(returned.into_iter().map(|own| own.and_then(some)).collect())
+    }
+
+    /// The largest nodal force that displacements leave unbalanced where the plastic strain is theirs, and not that of the load.
+    fn left<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+    ) -> Result<f64, Error<D>> {
+        let of_bodies = self.each(model, condensed, strained, |index, began, u| {
+            let of = (&model.bodies[index], model.analysis);
+            let now = began.returned(of, (u, condensed.time))?;
+            let assumed = condensed.bodies[index].system.history.yielded.as_deref();
+            let rest = now.less(assumed).forces(of.0, of.1)?;
+            Ok(rest.into_iter().map(norm).fold(0.0, f64::max))
+        })?;
+        Ok(of_bodies.into_iter().flatten().fold(0.0, f64::max))
+    }
+
+    /// The largest force of a cell on a node.
+    fn size<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+    ) -> Result<f64, Error<D>> {
+        let sizes = self.each(model, condensed, strained, |index, began, u| {
+            let of = (&model.bodies[index], model.analysis);
+            let now = began.returned(of, (u, condensed.time))?;
+            Ok(now.since(began, of, (u, condensed.time))?.force)
+        })?;
+        Ok(sizes.into_iter().flatten().fold(0.0, f64::max))
+    }
+
+    /// Accelerated steps from some displacements, until little is left unbalanced or no step can be made; the displacements then,
+    /// and the bodies carry the plastic strain of the last step.
+    fn settle<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        (mut state, mut attempt, from): (Strained, Attempt<D>, Start<'_>),
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<(Strained, Attempt<D>), Error<D>> {
+        let mut anderson = Anderson::default();
+        let size = self.size(model, condensed, &state)?;
+        while self.done < MOST {
+            self.done += 1;
+            assume(model, condensed, self.returned(model, condensed, &state)?)?;
+            let guess = attempt.outcome.multipliers.clone();
+            let start = Start {
+                guess: Some(&guess),
+                ..from
+            };
+            attempt = attempt.followed_by(run(model, condensed, start, observe)?);
+            if attempt.failure.is_some() {
+                break;
+            }
+            let lambda = &attempt.outcome.multipliers.lambda;
+            let bodies = condensed.bodies.par_iter().zip(&condensed.factored);
+            let image = bodies.take(model.bodies.len());
+            let image =
+                image.map(|(body, factored)| elastic_displacement(body, factored, lambda, None));
+            let image: Strained = image.collect();
+            let left = self.left(model, condensed, &image)?;
+            if left <= BELOW * model.solver.tolerance * size {
+                return Ok((image, attempt));
+            }
+            let (after, before) = (self.flat(&image), self.flat(&state));
+            let residual = after.iter().zip(&before).map(|(a, b)| a - b).collect();
+            let mut next = anderson.next(after, residual).into_iter();
+            state = image;
+            let yielding = state.iter_mut().zip(&self.began);
+            for (u, _) in yielding.filter(|(_, began)| began.is_some()) {
+                u.iter_mut().zip(&mut next).for_each(|(u, next)| *u = next);
+            }
+        }
+        Ok((state, attempt))
+    }
+
+    /// The displacements of bodies that may yield, one behind the other.
+    fn flat(&self, all: &Strained) -> Vec<f64> {
+        let yielding = all.iter().zip(&self.began);
+        let yielding = yielding.filter(|(_, began)| began.is_some());
+        yielding.flat_map(|(u, _)| u.iter().copied()).collect()
+    }
+
+    /// The part of the step that the bodies can bear, by bisection; the problem is that of the whole step again then.
+    fn carried<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        (start, attempt, from): (Strained, &Attempt<D>, Start<'_>),
+    ) -> Result<f64, Error<D>> {
+        let (now, whole) = (condensed.time, attempt.outcome.multipliers.clone());
+        let scaled = |part: f64| -> Strained {
+            let of_body = |u: &Vec<f64>| u.iter().map(|u| part * u).collect();
+            start.iter().map(of_body).collect()
+        };
+        let ([mut low, mut high], mut bears) = ([0.0, 1.0], None);
+        while high - low > NARROW {
+            let part = 0.5 * (low + high);
+            go_part(model, condensed, (now, part))?;
+            self.done = MOST - FEWER;
+            let from_here = bears.clone().unwrap_or_else(|| scaled(low));
+            let mut silent = |_: Event| {};
+            let begun = Attempt {
+                method: attempt.method.clone(),
+                outcome: Outcome::new(whole.clone(), 0),
+                history: Vec::new(),
+                failure: None,
+            };
+            let start = (from_here, begun, from);
+            let (state, ended) = self.settle(model, condensed, start, &mut silent)?;
+            match ended.failure.is_none() && self.done < MOST {
+                true => (low, bears) = (part, Some(state)),
+                false => high = part,
+            }
+        }
+        go_part(model, condensed, (now, 1.0))?;
+        Ok(low)
+    }
+
+    /// Takes over the plastic strain of the displacements, and judges it.
+    fn take_over<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        judged: &mut Judged<D>,
+    ) -> Result<(), Error<D>> {
+        let strained = &judged.displaced.strained;
+        let left = self.left(model, condensed, strained)?;
+        let yielded = self.returned(model, condensed, strained)?;
+        let done = self.each(model, condensed, strained, |index, began, u| {
+            let now = yielded[index].as_deref().unwrap_or(began);
+            let of = (&model.bodies[index], model.analysis);
+            now.since(began, of, (u, condensed.time))
+        })?;
+        let energy = judged
+            .displaced
+            .states
+            .iter()
+            .map(|state| state.strain_energy);
+        let energy: f64 = energy.sum();
+        let worst = |of: fn(&Increment) -> f64| done.iter().flatten().map(of).fold(0.0, f64::max);
+        judged.certificate.yields = Some(OfYield::new(
+            ([left, worst(|own| own.force)], model.solver.tolerance),
+            [worst(|own| own.beyond), worst(|own| own.trial)],
+            [
+                -done.iter().flatten().map(|own| own.gained).sum::<f64>(),
+                energy,
+            ],
+        ));
+        for (state, own) in judged.displaced.states.iter_mut().zip(&done) {
+            if let Some(own) = own {
+                (state.strain_energy, state.yielded) = (own.stored, own.extent);
+            }
+        }
+        for (body, own) in condensed.bodies.iter_mut().zip(yielded) {
+            body.system.history.yielded = own;
+        }
+        Ok(())
+    }
+}

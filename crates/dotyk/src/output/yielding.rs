@@ -1,0 +1,88 @@
+//! Section "Yielding" of the report: what has yielded of each body, and its picture.
+
+use crate::model::{BodySolution, Solution};
+use crate::output::figures::Figures;
+use crate::output::html::{column, left, plain, table, text};
+use crate::output::markup::{Markup, markup};
+use crate::output::picture::Picture;
+use crate::output::text::{Labels, number};
+
+/// The border of what has yielded is where the equivalent plastic strain is this part of the largest: nearer to none it is what
+/// the mean over cells leaves.
+const BORDER: f64 = 0.01;
+
+/// Equivalent plastic strain of a body where stress is given; NaN where nothing may yield.
+fn equivalent<const D: usize>(body: &BodySolution<D>) -> Vec<f64> {
+    match &body.yielding {
+        Some(own) => own.equivalent.clone(),
+        None => vec![f64::NAN; body.borders.count()],
+    }
+}
+
+/// The largest equivalent plastic strain; zero where nothing has yielded.
+fn largest<const D: usize>(solution: &Solution<D>) -> f64 {
+    let own = solution.bodies.iter().filter_map(|b| b.yielding.as_ref());
+    own.flat_map(|own| own.equivalent.iter().copied())
+        .fold(0.0, f64::max)
+}
+
+/// The picture of the plastic zone, with its border.
+pub fn yielding_picture<const D: usize>(solution: &Solution<D>) -> Picture<D> {
+    let most = largest(solution);
+    Picture {
+        id: "yielding",
+        title: "Plastic zone",
+        label: "Plastic strain",
+        most_called: "largest equivalent plastic strain",
+        values: solution.bodies.iter().map(equivalent).collect(),
+        high: most,
+        limit: BORDER * most,
+        most: None,
+        caption: format!(
+            "Equivalent plastic strain, undeformed; the largest is {}. Red: the border of what has yielded, where it is a hundredth of the largest.",
+            number(most)
+        ),
+    }
+}
+
+/// The section; nothing where no material yields.
+pub fn yielding_section<const D: usize>(
+    solution: &Solution<D>,
+    figures: &Figures<'_>,
+    labels: &Labels,
+) -> Markup {
+    if solution.bodies.iter().all(|body| body.yielding.is_none()) {
+        return Markup::default();
+    }
+    let (word, unit) = labels.interior();
+    let rows = solution.bodies.iter().filter_map(|body| {
+        let own = body.yielding.as_ref()?;
+        let most = own.equivalent.iter().copied().fold(0.0, f64::max);
+        Some(vec![
+            text(&body.name),
+            plain(number(most)),
+            plain(number(own.extent)),
+        ])
+    });
+    let heads = [
+        left("body"),
+        column("largest equivalent plastic strain", ""),
+        column(&format!("plastic {word}"), &unit),
+    ];
+    let (picture, words) = match largest(solution) > 0.0 {
+        true => (
+            figures.yielding(solution),
+            "Stress is returned to what the material bears; what is beyond it elastically has gone to the neighbourhood.",
+        ),
+        false => (
+            Markup::default(),
+            "Nothing has yielded: the answer is that of elastic bodies.",
+        ),
+    };
+    markup!(
+        "<h2>Yielding</h2>\n{}{}<p>{}</p>\n",
+        picture,
+        table(&heads, rows.collect()),
+        words
+    )
+}
