@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 #: Parts whose names no other part may have.
 _PARTS = ("body", "contact", "section", "bar")
 #: Keys of a material that a body may have itself.
-_MATERIAL = ("young", "poisson", "thickness", "strength", "plastic", "hardening")
+_MATERIAL = ("young", "poisson", "thickness", "strength", "plastic", "hardening", "dilation", "unload")
 #: What of a body others need to know when they are checked.
 _BASE = ("name", "mesh", "material", "points", "couple", "initial_stress", "surface")
 
@@ -389,6 +389,8 @@ class Model:
         strength: Table | None = None,
         plastic: bool | None = None,
         hardening: float | str | None = None,
+        dilation: float | str | None = None,
+        unload: Table | None = None,
         material: Table | Sequence[Table] | None = None,
         formulation: str | None = None,
         fix: Sequence[Table] | None = None,

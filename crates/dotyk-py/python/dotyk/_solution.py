@@ -505,12 +505,30 @@ class BodySolution(_Frozen):
 
     @property
     def equivalent_plastic_strain(self) -> Array:
-        """Equivalent plastic strain at the nodes, where a material of the body yields (n,): the sum of sqrt(2/3 de:de) over all steps."""
+        """Equivalent plastic strain at the nodes, where a material of the body yields (n,): the sum of sqrt(2/3 de:de) over all steps.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("axisymmetric")
+        >>> mesh = dotyk.rectangle([0, 0], [1, 2], cells=[2, 4], cell="quad8")
+        >>> bar = m.body("bar", mesh, young=200, poisson=0.3, strength={"yield": 1}, plastic=True, hardening=10)
+        >>> s = bar.fix("bottom", y=0).load("top", traction=[0, 1.5]) and m.solve()
+        >>> float(s.bodies["bar"].equivalent_plastic_strain.max().round(6))
+        0.05
+        """
         return self._array("equivalent_plastic_strain")  # type: ignore[no-any-return]
 
     @property
     def yielded(self) -> Array:
-        """Part of the cells around each node that has yielded in this step, where a material of the body yields (n,), in [0, 1]."""
+        """Part of the cells around each node that has yielded in this step, where a material of the body yields (n,), in [0, 1].
+
+        >>> import dotyk
+        >>> m = dotyk.Model("axisymmetric")
+        >>> mesh = dotyk.rectangle([0, 0], [1, 2], cells=[2, 4], cell="quad8")
+        >>> bar = m.body("bar", mesh, young=200, poisson=0.3, strength={"yield": 1}, plastic=True, hardening=10)
+        >>> s = bar.fix("bottom", y=0).load("top", traction=[0, 0.5]) and m.solve()
+        >>> float(s.bodies["bar"].yielded.max())
+        0.0
+        """
         return self._array("yielded")  # type: ignore[no-any-return]
 
     @property
@@ -636,6 +654,8 @@ class Solution(_Frozen):
     converged: bool
     solver: str
     iterations: int
+    #: Where a material yields: increments of the plastic strain.
+    increments: int
     #: Where Coulomb's law was solved as a fixed point: the factor by which each round reduces the error.
     contraction: float
     dofs: int
