@@ -16,7 +16,9 @@
 
 use crate::geometry::{Point, padded, unit};
 use crate::mesh::Mesh;
-use crate::model::{Analysis, BodyField, Law, Model, OnSide, Shape, Solution, Status};
+use crate::model::{
+    Analysis, BodyField, BodySolution, Law, Model, OnSide, Shape, Solution, Status,
+};
 use crate::output::encode::zlib;
 use crate::output::markup::{Markup, markup};
 use crate::output::text::{AXES, Labels};
@@ -114,11 +116,16 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
 
 /// The fields of a body, those among them that other bodies alone have: NaN. Readers of several bodies find the same arrays in all.
 fn body_fields<const D: usize>(solution: &Solution<D>, body: usize) -> Vec<BodyField> {
-    let mut own = solution.bodies[body].fields();
-    let places = solution.bodies[body].borders.count();
-    let others = solution.bodies.iter().enumerate();
-    for other in others.filter(|other| other.0 != body) {
-        for (at, field) in other.1.fields().into_iter().enumerate() {
+    let bodies = &solution.bodies;
+    let mut own = bodies[body].fields();
+    let places = bodies[body].borders.count();
+    let some: [fn(&BodySolution<D>) -> bool; 2] =
+        [|b| b.utilisation.is_some(), |b| b.yielding.is_some()];
+    for has in some.into_iter().filter(|has| !has(&bodies[body])) {
+        let Some(other) = bodies.iter().find(|other| has(other)) else {
+            continue;
+        };
+        for (at, field) in other.fields().into_iter().enumerate() {
             if own.iter().all(|known| known.name != field.name) {
                 let values = vec![f64::NAN; places * field.shape.components()];
                 own.insert(at.min(own.len()), BodyField { values, ..field });
