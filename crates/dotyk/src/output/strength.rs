@@ -23,12 +23,13 @@ pub fn strength_section<const D: usize>(
     let words = words.map(|line| markup!("<p>{}</p>\n", line));
     let elastic = "The stress is elastic. Where it exceeds the strength the material would yield or break and hand stress on to its \
                    neighbourhood, which is not computed: what is overstressed tells where that begins, not how far it goes.";
+    let mut asked = solution.bodies.iter().filter(|b| b.utilisation.is_some());
     markup!(
         "<h2>Strength</h2>\n{}{}{}<p>{}</p>\n",
         figures.utilisation(solution),
         bodies(solution, labels),
         words.collect::<Markup>(),
-        match solution.bodies.iter().all(|body| body.yielding.is_some()) {
+        match asked.all(|body| body.yielding.is_some()) {
             true => "",
             false => elastic,
         },
