@@ -50,7 +50,7 @@ impl<const D: usize> Case<D> {
             }) => {
                 let mut failure = failed(&steps, reason.to_string(), None);
                 if let Objection::Yields { carried, .. } = *reason {
-                    failure.carried = Some(carried);
+                    failure.carried = carried;
                 }
                 steps.push(*solution);
                 (steps, Some(failure))

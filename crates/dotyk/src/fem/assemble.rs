@@ -6,7 +6,7 @@ use crate::fem::enhanced::has_modes;
 use crate::fem::error::{FemError, show};
 use crate::fem::loads::{NodalLoads, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
-use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, History, Material};
+use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, History, Material, Part};
 use crate::fem::springs::{spring_loads, spring_stiffness, sprung_directions};
 use crate::fem::supports::{Constraints, ON_AXIS};
 use crate::geometry::{Point, add_scaled, dot, norm};
@@ -175,7 +175,9 @@ pub(crate) fn assemble_after<const D: usize>(
             *value = 0.0;
         }
     }
-    let driving = Driving::new((body, &history), analysis, time, (&constraints, &frames))?;
+    let with = (body, &history);
+    let mut driving = Driving::new(with, analysis, time, (&constraints, &frames))?;
+    driving.add_yielded(with, analysis, &frames)?;
     Ok(BodySystem {
         graph,
         stiffness,
@@ -223,16 +225,9 @@ impl Driving {
             largest: largest_load,
             rounding,
         } = nodal_loads((body, history), analysis, time)?;
-        let part = 1.0 - history.left_out;
-        load.iter_mut().for_each(|force| *force *= part);
-        if let Some(yielded) = &history.yielded {
-            let plastic = yielded.forces(body, analysis)?;
-            let sums = load.iter_mut().zip(plastic.as_flattened());
-            sums.for_each(|(sum, force)| *sum += force);
-        }
         let mut prescribed = vec![0.0; load.len()];
         for (dof, value) in held_dofs(constraints, frames) {
-            prescribed[dof] = part * value;
+            prescribed[dof] = value;
         }
         for (_, came) in spring_loads((body, history), analysis)? {
             load.iter_mut()
@@ -244,7 +239,6 @@ impl Driving {
             true => carried_motion(&body.mesh, constraints, RigidBasis::of(analysis)),
             false => vec![0.0; load.len()],
         };
-        carried.iter_mut().for_each(|u| *u *= part);
         into_frames(frames, &mut load);
         into_frames(frames, &mut carried);
         // what is rounding of an initial stress and its loads moves nothing
@@ -255,7 +249,7 @@ impl Driving {
         let mut lift = vec![0.0; load.len()];
         let largest = prescribed.iter().fold(0.0f64, |l, v| l.max(v.abs()));
         for (dof, value) in held_dofs(constraints, frames) {
-            let rest = part * value - carried[dof];
+            let rest = value - carried[dof];
             // exactly zero where only rounding is left
             if rest.abs() > 1e-13 * largest {
                 lift[dof] = rest;
@@ -268,6 +262,33 @@ impl Driving {
             carried,
             lift,
         })
+    }
+}
+
+impl Driving {
+    /// Not at the end of a step, but on the way there from what drove the body before.
+    fn on_the_way(&mut self, part: Part, before: Option<Self>) {
+        let before = before.as_ref();
+        part.mix(&mut self.load, before.map(|b| &b.load[..]));
+        part.mix(&mut self.prescribed, before.map(|b| &b.prescribed[..]));
+        part.mix(&mut self.carried, before.map(|b| &b.carried[..]));
+        part.mix(&mut self.lift, before.map(|b| &b.lift[..]));
+    }
+
+    /// Adds the load of what has yielded.
+    fn add_yielded<const D: usize>(
+        &mut self,
+        (body, history): (&Body<D>, &History<D>),
+        analysis: Analysis,
+        frames: &BTreeMap<usize, [[f64; D]; D]>,
+    ) -> Result<(), FemError> {
+        if let Some(yielded) = &history.yielded {
+            let mut plastic = yielded.forces(body, analysis)?.concat();
+            into_frames(frames, &mut plastic);
+            let sums = self.load.iter_mut().zip(plastic);
+            sums.for_each(|(sum, force)| *sum += force);
+        }
+        Ok(())
     }
 }
 
@@ -335,12 +356,11 @@ impl<const D: usize> BodySystem<D> {
         }
     }
 
-    /// A part of its load, and of what is prescribed: of a rigid part.
-    pub(crate) fn scale(&mut self, part: f64) {
-        let vectors = [&mut self.load, &mut self.prescribed, &mut self.carried];
-        for value in vectors.into_iter().flatten() {
-            *value *= part;
-        }
+    /// Loads and prescribed displacements of a rigid part on the way from another time to this one.
+    pub(crate) fn on_the_way(&mut self, part: Part, before: Option<&Self>) {
+        part.mix(&mut self.load, before.map(|b| &b.load[..]));
+        part.mix(&mut self.prescribed, before.map(|b| &b.prescribed[..]));
+        part.mix(&mut self.carried, before.map(|b| &b.carried[..]));
     }
 
     /// The same body at another time: loads and prescribed displacements are taken anew, and what is held, K and R stay,
@@ -349,9 +369,29 @@ impl<const D: usize> BodySystem<D> {
     /// `body` and `analysis` are those that the system was assembled from.
     /// Errors: contradictory supports, values that are not finite.
     pub fn at_time(self, body: &Body<D>, analysis: Analysis, time: f64) -> Result<Self, FemError> {
-        let body = (body, &self.history);
-        let constraints = Constraints::new(body, analysis, time)?;
-        let driving = Driving::new(body, analysis, time, (&constraints, &self.frames))?;
+        self.at_part(body, analysis, time, None)
+    }
+
+    /// The same, where `part` is given not at the end of a step.
+    pub(crate) fn at_part(
+        self,
+        body: &Body<D>,
+        analysis: Analysis,
+        time: f64,
+        part: Option<Part>,
+    ) -> Result<Self, FemError> {
+        let with = (body, &self.history);
+        let at = |time: f64| {
+            let constraints = Constraints::new(with, analysis, time)?;
+            let driving = Driving::new(with, analysis, time, (&constraints, &self.frames))?;
+            Ok((constraints, driving))
+        };
+        let (constraints, mut driving) = at(time)?;
+        if let Some(part) = part {
+            let before = part.before.map(at).transpose()?;
+            driving.on_the_way(part, before.map(|(_, driving)| driving));
+        }
+        driving.add_yielded(with, analysis, &self.frames)?;
         Ok(Self {
             constraints,
             load: driving.load,

@@ -174,9 +174,25 @@ pub(crate) struct History<const D: usize> {
     pub released: Vec<(Arc<[Point<D>]>, Field)>,
     /// What has yielded of it, `None` where nothing has.
     pub yielded: Option<Arc<Yielded>>,
-    /// What is left out of its loads and prescribed displacements, of all of them: zero, but where the part is looked for that it
-    /// can bear.
-    pub left_out: f64,
+}
+
+/// How far a step has gone that is not at its end: loads and prescribed displacements lie in a straight line between those of the
+/// time before, none where there was no step, and its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Part {
+    /// Time of the step before.
+    pub before: Option<f64>,
+    /// In [0, 1].
+    pub share: f64,
+}
+
+impl Part {
+    /// Values between those of the step before, zero where there was none, and those of the step.
+    pub fn mix(self, values: &mut [f64], before: Option<&[f64]>) {
+        values.iter_mut().for_each(|value| *value *= self.share);
+        let before = values.iter_mut().zip(before.into_iter().flatten());
+        before.for_each(|(value, before)| *value += (1.0 - self.share) * before);
+    }
 }
 
 /// One elastic body.

@@ -168,7 +168,7 @@ fn fill_run<const D: usize>(
     .map_err(last)?;
     for (index, &time) in model.times.iter().enumerate().rev().skip(1) {
         let at = |error: Error<D>| in_step(error, index + 1);
-        (bodies, paired) = driven(model, bodies, paired, time).map_err(at)?;
+        (bodies, paired) = driven(model, bodies, paired, (time, None)).map_err(at)?;
         floating.set_loads(model, &bodies, &paired).map_err(at)?;
         check_balance(
             model,

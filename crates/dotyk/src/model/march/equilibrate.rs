@@ -16,7 +16,7 @@
 
 use crate::dual::OfYield;
 use crate::fem::{FemError, Increment, Yielded};
-use crate::geometry::{Point, norm};
+use crate::geometry::{Point, norm, sub};
 use crate::model::march::attempt::{Attempt, Start, certified_attempt, run};
 use crate::model::march::judge::Judged;
 use crate::model::nouns::error::{Error, Objection};
@@ -151,14 +151,28 @@ impl Turns {
         condensed: &Condensed<D>,
         strained: &Strained,
     ) -> Result<f64, Error<D>> {
-        let of_bodies = self.each(model, condensed, strained, |index, began, u| {
+        let left = self.each(model, condensed, strained, |index, began, u| {
             let of = (&model.bodies[index], model.analysis);
             let now = began.returned(of, (u, condensed.time))?;
             let assumed = condensed.bodies[index].system.history.yielded.as_deref();
             let rest = now.less(assumed).forces(of.0, of.1)?;
-            Ok(rest.into_iter().map(norm).fold(0.0, f64::max))
+            Ok(largest(rest.into_iter().map(norm)))
         })?;
-        Ok(of_bodies.into_iter().flatten().fold(0.0, f64::max))
+        Ok(largest(left.into_iter().flatten()))
+    }
+
+    /// What has been done since the step began, of each body that may yield.
+    fn done<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+    ) -> Result<Vec<Option<Increment<D>>>, Error<D>> {
+        self.each(model, condensed, strained, |index, began, u| {
+            let of = (&model.bodies[index], model.analysis);
+            let now = began.returned(of, (u, condensed.time))?;
+            now.since(began, of, (u, condensed.time))
+        })
     }
 
     /// The largest force of a cell on a node.
@@ -168,12 +182,8 @@ impl Turns {
         condensed: &Condensed<D>,
         strained: &Strained,
     ) -> Result<f64, Error<D>> {
-        let sizes = self.each(model, condensed, strained, |index, began, u| {
-            let of = (&model.bodies[index], model.analysis);
-            let now = began.returned(of, (u, condensed.time))?;
-            Ok(now.since(began, of, (u, condensed.time))?.force)
-        })?;
-        Ok(sizes.into_iter().flatten().fold(0.0, f64::max))
+        let done = self.done(model, condensed, strained)?;
+        Ok(largest(done.into_iter().flatten().map(|own| own.force)))
     }
 
     /// Accelerated steps from some displacements, until little is left unbalanced or no step can be made; the displacements then,
@@ -228,43 +238,45 @@ impl Turns {
         yielding.flat_map(|(u, _)| u.iter().copied()).collect()
     }
 
-    /// The part of the step that the bodies can bear, by bisection; the problem is that of the whole step again then.
+    /// The part of the step that the bodies can bear, by bisection; the problem is that of the whole step again then. It is not told
+    /// where stress or strain is in such a body before anything acts: that comes with the load, and is in the law, too.
     fn carried<const D: usize>(
         &mut self,
         model: &Model<D>,
         condensed: &mut Condensed<D>,
         (start, attempt, from): (Strained, &Attempt<D>, Start<'_>),
-    ) -> Result<f64, Error<D>> {
-        let (now, whole) = (condensed.time, attempt.outcome.multipliers.clone());
-        let scaled = |part: f64| -> Strained {
-            let of_body = |u: &Vec<f64>| u.iter().map(|u| part * u).collect();
-            start.iter().map(of_body).collect()
-        };
-        let ([mut low, mut high], mut bears) = ([0.0, 1.0], None);
+    ) -> Result<Option<f64>, Error<D>> {
+        let mut plastic = model.bodies.iter().filter(|body| body.is_plastic());
+        if plastic.any(|body| body.initial.stress.is_some() || body.initial.strain.is_some()) {
+            return Ok(None);
+        }
+        let mut state: Strained = start.iter().map(|u| vec![0.0; u.len()]).collect();
+        let [mut low, mut high] = [0.0, 1.0];
         while high - low > NARROW {
-            let part = 0.5 * (low + high);
-            go_part(model, condensed, (now, part))?;
+            let share = 0.5 * (low + high);
+            go_part(model, condensed, Some(share))?;
             self.done = MOST - FEWER;
-            let from_here = bears.clone().unwrap_or_else(|| scaled(low));
-            let mut silent = |_: Event| {};
             let begun = Attempt {
                 method: attempt.method.clone(),
-                outcome: Outcome::new(whole.clone(), 0),
+                outcome: Outcome::new(attempt.outcome.multipliers.clone(), 0),
                 history: Vec::new(),
                 failure: None,
             };
-            let start = (from_here, begun, from);
-            let (state, ended) = self.settle(model, condensed, start, &mut silent)?;
+            let from_here = (state.clone(), begun, from);
+            let (found, ended) = self.settle(model, condensed, from_here, &mut |_| {})?;
             match ended.failure.is_none() && self.done < MOST {
-                true => (low, bears) = (part, Some(state)),
-                false => high = part,
+                true => (low, state) = (share, found),
+                false => high = share,
             }
         }
-        go_part(model, condensed, (now, 1.0))?;
-        Ok(low)
+        go_part(model, condensed, None)?;
+        Ok(Some(low))
     }
 
     /// Takes over the plastic strain of the displacements, and judges it.
+    ///
+    /// What is left unbalanced is found from stresses: what acts on the nodes besides the load of the plastic strain, less what holds the
+    /// returned stress. So that load, and the way to it, is judged with the rest.
     fn take_over<const D: usize>(
         &self,
         model: &Model<D>,
@@ -272,28 +284,31 @@ impl Turns {
         judged: &mut Judged<D>,
     ) -> Result<(), Error<D>> {
         let strained = &judged.displaced.strained;
-        let left = self.left(model, condensed, strained)?;
-        let yielded = self.returned(model, condensed, strained)?;
-        let done = self.each(model, condensed, strained, |index, began, u| {
-            let now = yielded[index].as_deref().unwrap_or(began);
-            let of = (&model.bodies[index], model.analysis);
-            now.since(began, of, (u, condensed.time))
+        let done = self.done(model, condensed, strained)?;
+        let left = self.each(model, condensed, strained, |index, _, _| {
+            let system = &condensed.bodies[index].system;
+            let mut rest = judged.displaced.states[index].total.clone();
+            let mut take = |forces: &[Point<D>]| {
+                let both = rest.iter_mut().zip(forces);
+                both.for_each(|(rest, force)| *rest = sub(*rest, *force));
+            };
+            if let Some(assumed) = &system.history.yielded {
+                take(&assumed.forces(&model.bodies[index], model.analysis)?);
+            }
+            take(done[index].as_ref().map_or(&[], |own| &own.held));
+            Ok(largest(rest.into_iter().map(norm)))
         })?;
-        let energy = judged
-            .displaced
-            .states
-            .iter()
-            .map(|state| state.strain_energy);
-        let energy: f64 = energy.sum();
-        let worst = |of: fn(&Increment) -> f64| done.iter().flatten().map(of).fold(0.0, f64::max);
+        let left = largest(left.into_iter().flatten());
+        let states = judged.displaced.states.iter();
+        let energy = states.map(|state| state.strain_energy).sum();
+        let of_bodies = || done.iter().flatten();
+        let worst = |of: fn(&Increment<D>) -> f64| largest(of_bodies().map(of));
         judged.certificate.yields = Some(OfYield::new(
             ([left, worst(|own| own.force)], model.solver.tolerance),
             [worst(|own| own.beyond), worst(|own| own.trial)],
-            [
-                -done.iter().flatten().map(|own| own.gained).sum::<f64>(),
-                energy,
-            ],
+            [-of_bodies().map(|own| own.gained).sum::<f64>(), energy],
         ));
+        let yielded = self.returned(model, condensed, strained)?;
         for (state, own) in judged.displaced.states.iter_mut().zip(&done) {
             if let Some(own) = own {
                 (state.strain_energy, state.yielded) = (own.stored, own.extent);
@@ -304,4 +319,9 @@ impl Turns {
         }
         Ok(())
     }
+}
+
+/// The largest of some numbers ≥ 0; zero where there is none.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
 }

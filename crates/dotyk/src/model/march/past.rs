@@ -12,8 +12,6 @@ use crate::geometry::{Point, dot};
 use crate::linalg::SparseVector;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
-#[cfg(doc)]
-use crate::model::nouns::solution::Yielding;
 use crate::model::nouns::solution::{BodySolution, Solution, Status};
 use crate::model::system::condense::{Condensed, assume};
 use crate::model::system::paired::{Paired, row_ranges};
@@ -42,7 +40,8 @@ pub struct PastBody {
     pub max_displacement: f64,
     /// Its strain energy.
     pub strain_energy: f64,
-    /// What had yielded of it at the points of its stiffness, where that is known ([`Yielding::points`]).
+    /// What had yielded of it at the points of its stiffness, where that is known: as
+    /// [`Yielding::points`](crate::model::Yielding::points).
     pub yielded: Option<Vec<[f64; 7]>>,
 }
 

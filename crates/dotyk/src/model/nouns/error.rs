@@ -451,8 +451,8 @@ pub enum Objection<const D: usize> {
     Yields {
         /// Elastic problems in which none was found.
         turns: usize,
-        /// The part of the step that they can bear.
-        carried: f64,
+        /// The part of the step that they can bear, from what acted before it in a straight line; `None` where that is not known.
+        carried: Option<f64>,
     },
     /// Hardly anything holds a floating body against turning: it turns farther than the theory of small rotations goes.
     Turned {
@@ -623,11 +623,16 @@ impl<const D: usize> fmt::Display for Objection<D> {
                     }
                 )
             }
-            Self::Yields { turns, carried } => write!(
-                f,
-                "loss of equilibrium: what yields does not bear the load, {turns} elastic problems find no balance; it holds {} of the step",
-                Short(*carried)
-            ),
+            Self::Yields { turns, carried } => {
+                write!(
+                    f,
+                    "loss of equilibrium: what yields does not bear the load, {turns} elastic problems find no balance"
+                )?;
+                match carried {
+                    Some(carried) => write!(f, "; it holds {} of the step", Short(*carried)),
+                    None => Ok(()),
+                }
+            }
             Self::Turned { body, motion, turn } => write!(
                 f,
                 "body \"{body}\" is turned by {} rad ({motion}), and the theory knows small rotations alone: hardly anything holds it against turning; hold it by a support, or let more of its nodes touch, by smaller facets",

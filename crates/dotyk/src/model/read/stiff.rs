@@ -73,13 +73,8 @@ pub(crate) fn locks_plastic<const D: usize>(
     solved: &BodySolution<D>,
 ) -> Option<String> {
     let yielded = solved.yielding.as_ref().is_some_and(|own| own.extent > 0.0);
-    let linear = |kind: CellKind| kind.order() == 1;
-    let linear = body
-        .mesh
-        .blocks()
-        .iter()
-        .map(|block| block.kind)
-        .find(|kind| linear(*kind));
+    let kinds = body.mesh.blocks().iter().map(|block| block.kind);
+    let linear = kinds.into_iter().find(|kind| kind.order() == 1);
     let kind = linear.filter(|_| yielded)?;
     Some(format!(
         "body \"{}\" yields in linear cells ({}): what yields keeps its volume, which they cannot do and deform freely, so that they give way too little and bear too much; use quadratic cells",

@@ -11,11 +11,11 @@
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
 use crate::dual::DualProblem;
-use crate::fem::{BodySystem, Constraints};
+use crate::fem::{BodySystem, Constraints, Part};
 use crate::linalg::Cholesky;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::{Event, Lap, Work};
-use crate::model::nouns::model::{Method, Model};
+use crate::model::nouns::model::{Body, Method, Model};
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::Seconds;
 use crate::model::system::admissible::{admissible_set, neighbours};
@@ -78,6 +78,8 @@ pub(crate) struct Condensed<const D: usize> {
     /// Spent so far, earlier steps included.
     pub seconds: Seconds,
     pub time: f64,
+    /// How far the step has gone, where not to its end.
+    part: Option<Part>,
     /// What it goes on from.
     pub state: Arc<State<D>>,
 }
@@ -215,6 +217,7 @@ impl<const D: usize> Uncondensed<D> {
             dropped,
             seconds,
             time,
+            part: None,
             state,
         })
     }
@@ -269,13 +272,16 @@ fn ordered<const D: usize>(
     };
     let fits = |ordered: &[Arc<Ordered>], dense| {
         let each = of.systems.iter().zip(of.rows).zip(ordered);
-        let demands = each.map(|((system, rows), ordered)| Demand {
-            trailing: ordered.trailing.len(),
-            factor: ordered.stored(),
-            stiffness: system.stiffness.stored(),
-            dofs: system.load.len(),
-            rows: rows.index.len(),
-        });
+        let demands = each
+            .enumerate()
+            .map(|(part, ((system, rows), ordered))| Demand {
+                trailing: ordered.trailing.len(),
+                factor: ordered.stored(),
+                stiffness: system.stiffness.stored(),
+                dofs: system.load.len(),
+                rows: rows.index.len(),
+                yields: model.bodies.get(part).is_some_and(Body::is_plastic),
+            });
         memory::check(model, &demands.collect::<Vec<_>>(), dense, m)
     };
     let assembled = is_assembled::<D>(of.rows, m, (dense_limit, rough, few_products));
@@ -349,27 +355,21 @@ pub(crate) fn assume<const D: usize>(
     drive(model, here, &mut |_| {})
 }
 
-/// The same step as far as a part of it: at a time between the step before and its own, in the first step with a part of all
-/// loads and prescribed displacements.
+/// The same step, not at its end: loads and prescribed displacements go in a straight line from those of the step before, or from
+/// none, to its own. `None`: at its end.
 ///
 /// Errors: those of the step itself.
 pub(crate) fn go_part<const D: usize>(
     model: &Model<D>,
     here: &mut Condensed<D>,
-    (now, part): (f64, f64),
+    share: Option<f64>,
 ) -> Result<(), Error<D>> {
-    match here.state.time() {
-        Some(_) if part == 1.0 => here.time = now,
-        Some(before) => here.time = before + part * (now - before),
-        None => {
-            for body in &mut here.bodies {
-                body.system.history.left_out = 1.0 - part;
-            }
-        }
-    }
+    let before = here.state.time();
+    here.part = share.map(|share| Part { before, share });
     drive(model, here, &mut |_| {})
 }
 
+/// Gives the bodies the plastic strains whose load they carry.
 fn carry<const D: usize>(here: &mut Condensed<D>, yielded: AllYielded) {
     for (body, yielded) in here.bodies.iter_mut().zip(yielded) {
         body.system.history.yielded = yielded;
@@ -384,7 +384,8 @@ fn drive<const D: usize>(
 ) -> Result<(), Error<D>> {
     let (mut lap, time) = (Lap::start(), here.time);
     observe(Event::Stage("loads"));
-    let (bodies, paired) = driven(model, take(&mut here.bodies), take(&mut here.paired), time)?;
+    let (bodies, paired) = (take(&mut here.bodies), take(&mut here.paired));
+    let (bodies, paired) = driven(model, bodies, paired, (time, here.part))?;
     (here.bodies, here.paired) = (bodies, paired);
     here.gaps = gaps_after(&here.paired, &here.state.slips(&here.paired));
     here.seconds.assemble += lap.seconds();

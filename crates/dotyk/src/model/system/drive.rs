@@ -1,6 +1,6 @@
 //! What drives bodies and pairs at a time: loads, prescribed values, gaps, and what joints and bars do besides the forces of their rows.
 
-use crate::fem::{BodySystem, Constraints};
+use crate::fem::{BodySystem, Constraints, Part};
 use crate::geometry::norm;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
@@ -13,19 +13,20 @@ use crate::model::system::parts::rigid_systems;
 use crate::model::system::shared::share_nodes;
 use rayon::prelude::*;
 
-/// Bodies and pairs with the loads, prescribed displacements and gaps of another time.
+/// Bodies and pairs with the loads, prescribed displacements and gaps of another time; where `part` is given with those of bodies on the
+/// way there. Gaps and prestress are those of the time.
 pub(crate) fn driven<const D: usize>(
     model: &Model<D>,
     bodies: Vec<LoadedBody<D>>,
     mut paired: Vec<Paired<D>>,
-    time: f64,
+    (time, part): (f64, Option<Part>),
 ) -> Result<(Vec<LoadedBody<D>>, Vec<Paired<D>>), Error<D>> {
     let mut rigid = bodies;
     let bodies = rigid.drain(..model.bodies.len()).collect::<Vec<_>>();
     let (mut systems, mut rows): (Vec<_>, Vec<_>) = (&model.bodies, bodies)
         .into_par_iter()
         .map(|(body, loaded)| {
-            let system = loaded.system.at_time(body, model.analysis, time);
+            let system = loaded.system.at_part(body, model.analysis, time, part);
             let system = system.map_err(|source| Error::in_body(body, source))?;
             Ok((system, loaded.rows))
         })
@@ -33,12 +34,13 @@ pub(crate) fn driven<const D: usize>(
         .into_iter()
         .unzip();
     let mut of_rigid = rigid_systems(model, time)?;
-    let left_out = systems
-        .first()
-        .map_or(0.0, |s: &BodySystem<D>| s.history.left_out);
-    of_rigid
-        .iter_mut()
-        .for_each(|part| part.scale(1.0 - left_out));
+    if let Some(part) = part {
+        let before = part.before.map(|time| rigid_systems(model, time));
+        let before = before.transpose()?;
+        for (index, system) in of_rigid.iter_mut().enumerate() {
+            system.on_the_way(part, before.as_ref().map(|before| &before[index]));
+        }
+    }
     // the parts of links do not know the time
     let links = rigid.split_off(of_rigid.len());
     systems.extend(of_rigid);

@@ -299,7 +299,6 @@ impl<const D: usize> State<D> {
                 sprung: came(&self.presence.springs[body], Thing::Spring),
                 released: self.released[body].clone(),
                 yielded: self.yielded[body].clone(),
-                left_out: 0.0,
             }
         };
         self.whole().into_iter().map(of_body).collect()
