@@ -77,6 +77,11 @@ impl<const D: usize> CellTable<D> {
         points.zip(self.weights.iter().copied()).collect()
     }
 
+    /// Its reference points.
+    pub fn places(&self) -> &[[f64; 3]] {
+        &self.points
+    }
+
     /// Number of points.
     pub fn len(&self) -> usize {
         self.weights.len()

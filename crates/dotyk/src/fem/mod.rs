@@ -33,6 +33,7 @@ mod supports;
 mod surface;
 #[cfg(test)]
 mod tests;
+mod volume;
 
 pub(crate) use assemble::{ALONG, assemble_after, completed, largest_coefficient};
 pub use assemble::{BodySystem, assemble};

@@ -27,6 +27,7 @@ use crate::fem::initial::along;
 use crate::fem::nouns::{Analysis, Body, Formulation, Material};
 use crate::fem::strength::Strength;
 use crate::fem::stress::{sum, von_mises};
+use crate::fem::volume::{MOST, gives_way, take_linear};
 use crate::geometry::{Point, add_scaled, norm};
 use crate::mesh::{CellBlock, MAX_CELL_NODES};
 use rayon::prelude::*;
@@ -47,11 +48,11 @@ struct Metal {
     hardening: f64,
 }
 
-/// Plastic strain, and behind it the equivalent one.
-pub(crate) type Strained = [f64; 7];
+/// Plastic strain, behind it the equivalent one, and the change of volume that is not resisted (`volume.rs`).
+pub(crate) type Strained = [f64; 8];
 
-/// Of a point that has not yielded.
-const NOTHING: Strained = [0.0; 7];
+/// Of a point in a body that has not yielded.
+const NOTHING: Strained = [0.0; 8];
 
 /// What has yielded of a body: plastic strains at the points of all cells, in their order, zeros where nothing has.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +63,7 @@ pub(crate) struct Yielded(pub Vec<Strained>);
 pub(crate) struct Increment<const D: usize> {
     /// ∫ C(ε − ε_p)·∇Nₐ dV, what holds the stress besides the initial one, (nodes,), in global axes.
     pub held: Vec<Point<D>>,
-    /// The largest force of the total stress of a cell on a node; at least [`UNLOADED`] of that of Cε_p.
+    /// The largest force of the total stress of a cell on a node, within [`SCALES`] of that of its yield stress.
     pub force: f64,
     /// The largest stress beyond the yield stress that is left.
     pub beyond: f64,
@@ -74,11 +75,53 @@ pub(crate) struct Increment<const D: usize> {
     pub gained: f64,
     /// Area of the section, volume in space, of points whose plastic strain is not zero.
     pub extent: f64,
+    /// Works and energies of what has yielded.
+    pub flow: Flow,
 }
 
-/// What is unloaded bears no stress, and its nodal forces are rounding of those of Cε_p and Cε, which are each other's: with the
-/// tolerance of 1e-8 this lets 1e-12 of them pass, a thousand times the rounding of a factorisation.
-const UNLOADED: f64 = 1e-4;
+/// Works and energies of what has yielded in a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Flow {
+    /// ∫ σ:Δε_p dV.
+    pub dissipated: f64,
+    /// The part of that which hardening takes, ∫ H p Δp dV.
+    pub hardened: f64,
+    /// The most that shear can store there, ∫ (σ_Y + H p)²/6μ dV.
+    pub sheared: f64,
+    /// What the mean stress stores by what it differs from its mean in each cell.
+    pub swings: f64,
+}
+
+impl Flow {
+    /// A body that flows this much more than it is sheared elastically has become a mechanism.
+    const FAR: f64 = 50.0;
+
+    /// Hardening below this part of the yield stress stops none.
+    const FLAT: f64 = 0.02;
+
+    /// In a mechanism the work of the loads is dissipated. Where this part of it is not, but stored in mean stresses that swing
+    /// within cells, no material bears the load: it is cells that cannot flow at constant volume, however far they are moved.
+    const HELD: f64 = 5e-3;
+
+    /// Loads are borne by what cells cannot do, and not by their material.
+    pub fn is_held_by_cells(self) -> bool {
+        let flows = self.dissipated > Self::FAR * self.sheared;
+        let flat = self.hardened < Self::FLAT * self.dissipated;
+        flows && flat && self.swings > Self::HELD * self.dissipated
+    }
+
+    fn add(&mut self, other: Self) {
+        self.dissipated += other.dissipated;
+        self.hardened += other.hardened;
+        self.sheared += other.sheared;
+        self.swings += other.swings;
+    }
+}
+
+/// Forces of a cell are a scale between these times those of its yield stress. What is unloaded bears no stress, and its nodal forces
+/// are rounding of those of Cε_p and Cε, which are each other's. Where a load is more than what is borne displacements run away, and
+/// so does the rounding of stresses, which no scale must follow: what is left unbalanced would be nothing beside it.
+const SCALES: [f64; 2] = [1e-2, 10.0];
 
 impl Metal {
     /// What a material that yields does, `None` of one that does not.
@@ -95,12 +138,17 @@ impl Metal {
         })
     }
 
-    /// By how much a stress is beyond the yield stress of what has yielded by p.
-    fn beyond(self, stress: [f64; 6], p: f64) -> f64 {
-        von_mises(stress) - (self.yield_stress + self.hardening * p)
+    /// The yield stress of what has yielded by p.
+    fn strength(self, p: f64) -> f64 {
+        self.yield_stress + self.hardening * p
     }
 
-    /// The plastic strain behind a stress at which nothing more has yielded than before.
+    /// By how much a stress is beyond that.
+    fn beyond(self, stress: [f64; 6], p: f64) -> f64 {
+        von_mises(stress) - self.strength(p)
+    }
+
+    /// The plastic strain of the stress that this is returned to, which it would be if nothing more had yielded than before.
     fn returned(self, trial: [f64; 6], before: Strained) -> Strained {
         let beyond = self.beyond(trial, before[6]);
         if beyond <= 0.0 {
@@ -112,7 +160,8 @@ impl Metal {
         std::array::from_fn(|c| match c {
             0..3 => before[c] + along * (trial[c] - mean),
             3..6 => before[c] + along * trial[c],
-            _ => before[c] + more,
+            6 => before[c] + more,
+            _ => before[c],
         })
     }
 }
@@ -227,13 +276,29 @@ impl Yielded {
         Ok(points.map(|own| &self.0[own.range]).collect())
     }
 
-    /// What has yielded under nodal displacements at a time, where this had yielded before.
+    /// What has yielded under nodal displacements at a time, where this had yielded before. With the first point that yields a body
+    /// flows, and its cells give way as `volume.rs` says; where it is told to flow they do so from the start.
     ///
     /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
     pub fn returned<const D: usize>(
         &self,
+        of: (&Body<D>, Analysis),
+        state: (&[Point<D>], f64),
+        flows: bool,
+    ) -> Result<Self, FemError> {
+        let flows = flows || !self.is_nothing();
+        let after = self.after(of, state, flows)?;
+        match flows || after.is_nothing() {
+            true => Ok(after),
+            false => self.after(of, state, true),
+        }
+    }
+
+    fn after<const D: usize>(
+        &self,
         (body, analysis): (&Body<D>, Analysis),
         state: (&[Point<D>], f64),
+        flows: bool,
     ) -> Result<Self, FemError> {
         let mut after = self.clone();
         for own in points(body, analysis)? {
@@ -241,11 +306,15 @@ impl Yielded {
                 continue;
             };
             let (count, k) = (cells.table.len(), own.block.kind.nodes());
+            let gives_way = flows && gives_way(own.block.kind);
             after.0[own.range]
                 .par_chunks_mut(count)
                 .zip(own.block.nodes.par_chunks(k))
                 .with_min_len(CHUNK)
                 .try_for_each(|(points, cell)| {
+                    if gives_way {
+                        give_way(cells, cell, state.0, points);
+                    }
                     for (q, point) in points.iter_mut().enumerate() {
                         let trial = stress(body, cells, (cell, q), state, point)?;
                         *point = metal.returned(trial, *point);
@@ -273,37 +342,63 @@ impl Yielded {
             let (cells, count) = (&own.cells, own.cells.table.len());
             let mut each = self.0[own.range.clone()].iter().zip(&before.0[own.range]);
             for cell in own.block.cells() {
-                let mut forces = [[[0.0; D]; MAX_CELL_NODES]; 3];
+                let mut forces = [[[0.0; D]; MAX_CELL_NODES]; 2];
+                let mut borne = [0.0; MAX_CELL_NODES];
+                let (mut flow, mut swelling) = (Flow::default(), [0.0; 3]);
                 for (q, (now, before)) in (&mut each).take(count).enumerate() {
                     let here = cells.deformation(q, (cell, &[]), state.0);
-                    let strain = cells.lame.strain(here.gradient, here.hoop);
-                    let elastic = std::array::from_fn(|c| strain[c] - now[c]);
+                    let (strain, rest) =
+                        (cells.lame.strain(here.gradient, here.hoop), inelastic(now));
+                    let elastic = std::array::from_fn(|c| strain[c] - rest[c]);
                     let own_stress = cells.lame.stress_of(elastic, analysis);
                     let found = stress(body, cells, (cell, q), state, now)?;
-                    let less = plastic_stress(cells.lame, analysis, now);
-                    for (forces, stress) in forces.iter_mut().zip([own_stress, found, less]) {
+                    for (forces, stress) in forces.iter_mut().zip([own_stress, found]) {
                         add_stress(cells, (cell, q), stress, &mut forces[..cell.len()]);
                     }
                     done.stored += 0.5 * here.volume * work(own_stress, elastic);
                     let Some(metal) = own.metal else { continue };
-                    let trial = stress(body, cells, (cell, q), state, before)?;
+                    let mut start = *before;
+                    start[7] = now[7];
+                    let trial = stress(body, cells, (cell, q), state, &start)?;
                     done.beyond = done.beyond.max(metal.beyond(found, now[6]));
+                    for (borne, gradient) in borne.iter_mut().zip(&here.gradients) {
+                        *borne += here.volume * metal.strength(now[6]) * norm(*gradient);
+                    }
                     done.trial = done.trial.max(von_mises(trial));
-                    if *now == NOTHING {
+                    if now[6] == 0.0 {
                         continue;
                     }
                     let more = std::array::from_fn(|c| now[c] - before[c]);
-                    done.gained += (here.volume * work(found, more)).min(0.0);
+                    let dissipated = here.volume * work(found, more);
+                    done.gained += dissipated.min(0.0);
+                    let strength = metal.strength(now[6]);
+                    flow.add(Flow {
+                        dissipated,
+                        hardened: here.volume * metal.hardening * now[6] * (now[6] - before[6]),
+                        sheared: here.volume * strength.powi(2) / (6.0 * cells.lame.mu),
+                        swings: 0.0,
+                    });
+                    let change = elastic[0] + elastic[1] + elastic[2];
+                    for (sum, power) in swelling.iter_mut().zip([1.0, change, change * change]) {
+                        *sum += here.volume * power;
+                    }
                     done.extent += here.volume / measure(analysis, body.thickness, here.point);
                 }
-                let [held, whole, of_plastic] = forces;
+                let [held, whole] = forces;
                 for (&node, force) in cell.iter().zip(held) {
                     let sum = &mut done.held[node as usize];
                     *sum = add_scaled(*sum, 1.0, force);
                 }
-                let sizes = whole.into_iter().map(norm);
-                let unloaded = of_plastic.into_iter().map(|f| UNLOADED * norm(f));
-                done.force = sizes.chain(unloaded).fold(done.force, f64::max);
+                if own.metal.is_some() {
+                    let [volume, sum, squares] = swelling;
+                    if volume > 0.0 {
+                        flow.swings = 0.5 * cells.lame.bulk() * (squares - sum * sum / volume);
+                    }
+                    done.flow.add(flow);
+                    let [whole, borne] = [largest(whole.into_iter().map(norm)), largest(borne)];
+                    let [least, most] = SCALES.map(|part| part * borne);
+                    done.force = done.force.max(whole.clamp(least, most));
+                }
             }
         }
         Ok(done)
@@ -343,6 +438,11 @@ impl Yielded {
     }
 }
 
+/// The largest of some numbers ≥ 0; zero where there is none.
+fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, f64::max)
+}
+
 /// σ:ε.
 fn work(stress: [f64; 6], strain: [f64; 6]) -> f64 {
     let part = |c: usize| stress[c] * strain[c] * if c < 3 { 1.0 } else { 2.0 };
@@ -380,9 +480,38 @@ fn add_stress<const D: usize>(
     }
 }
 
-/// Cε_p.
+/// Strain that is no elastic one: the plastic one, and the change of volume that is not resisted.
+fn inelastic(point: &Strained) -> [f64; 6] {
+    std::array::from_fn(|c| point[c] + if c < 3 { point[7] / 3.0 } else { 0.0 })
+}
+
+/// C of that.
 pub(crate) fn plastic_stress(lame: Lame, analysis: Analysis, point: &Strained) -> [f64; 6] {
-    lame.stress_of(std::array::from_fn(|c| point[c]), analysis)
+    lame.stress_of(inelastic(point), analysis)
+}
+
+/// Sets what is not resisted of the change of volume at the points of a cell under nodal displacements.
+fn give_way<const D: usize>(
+    cells: &Cells<'_, D>,
+    cell: &[u32],
+    displacement: &[Point<D>],
+    points: &mut [Strained],
+) {
+    let (mut changes, mut volumes) = ([0.0; MOST], [0.0; MOST]);
+    for (q, (change, volume)) in changes
+        .iter_mut()
+        .zip(&mut volumes)
+        .take(points.len())
+        .enumerate()
+    {
+        let here = cells.deformation(q, (cell, &[]), displacement);
+        let strain = cells.lame.strain(here.gradient, here.hoop);
+        (*change, *volume) = (strain[0] + strain[1] + strain[2], here.volume);
+    }
+    let changes = &mut changes[..points.len()];
+    take_linear(D, (cells.table.places(), &volumes), changes);
+    let both = points.iter_mut().zip(changes);
+    both.for_each(|(point, change)| point[7] = *change);
 }
 
 /// The total stress of a point of a cell that has this plastic strain.

@@ -3,11 +3,11 @@
 //! ```text
 //!   dotyk state 1\n
 //!   [{ "step": 1, "body": "tube", "points": 2304 }, ..]\n
-//!   for each of these: points × (xx yy zz xy yz xz p), f64, little-endian
+//!   for each of these: points × (xx yy zz xy yz xz p θ), f64, little-endian
 //! ```
 //!
-//! The plastic strain ε_p and the equivalent one p stand at the points of integration of the stiffness, block by block of the
-//! mesh and cell by cell.
+//! The plastic strain ε_p, the equivalent one p and the change of volume θ that the cell does not resist stand at the points of
+//! integration of the stiffness, block by block of the mesh and cell by cell.
 
 use crate::model::{Past, Solution};
 use serde::{Deserialize, Serialize};
@@ -19,7 +19,7 @@ pub const STATE: &str = "state.bin";
 pub const STATE_HEAD: &str = "dotyk state 1\n";
 
 /// Numbers of a point.
-const NUMBERS: usize = 7;
+const NUMBERS: usize = 8;
 
 /// What the numbers are of.
 #[derive(Debug, Serialize, Deserialize)]
@@ -56,7 +56,7 @@ pub fn state<const D: usize>(steps: &[Solution<D>]) -> Option<Vec<u8>> {
 pub fn read_state<const D: usize>(file: &[u8], past: &mut [Past<D>]) -> Result<(), String> {
     let broken = || {
         format!(
-            "is no state of a run: it is cut off, or does not begin with `{}`",
+            "is no state of a run: it is cut off, holds what is no number, or does not begin with `{}`",
             STATE_HEAD.trim_end()
         )
     };
@@ -75,7 +75,7 @@ pub fn read_state<const D: usize>(file: &[u8], past: &mut [Past<D>]) -> Result<(
             for value in &mut values {
                 *value = f64::from_le_bytes(numbers.next()?.try_into().ok()?);
             }
-            Some(values)
+            Some(values).filter(|values| values.iter().all(|value| value.is_finite()))
         };
         let points = (0..entry.points).map(|_| point());
         let points = points.collect::<Option<Vec<_>>>().ok_or_else(broken)?;

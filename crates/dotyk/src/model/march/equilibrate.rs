@@ -22,7 +22,9 @@ use crate::model::march::judge::Judged;
 use crate::model::nouns::error::{Error, Objection};
 use crate::model::nouns::event::Event;
 use crate::model::nouns::model::{Body, Model};
+use crate::model::system::bodies::LoadedBody;
 use crate::model::system::condense::{Condensed, assume, go_part};
+use crate::model::system::paired::Paired;
 use crate::model::system::recover::elastic_displacement;
 use crate::model::system::state::AllYielded;
 use crate::solve::{Anderson, Outcome};
@@ -59,15 +61,16 @@ pub(crate) fn equilibrate<const D: usize>(
     while attempt.failure.is_none() {
         let left = turns.left(model, condensed, &judged.displaced.strained)?;
         let size = turns.size(model, condensed, &judged.displaced.strained)?;
-        if left <= model.solver.tolerance * size {
+        let balanced = left <= model.solver.tolerance * size;
+        let held = turns.held_by_cells(model, condensed, &judged.displaced.strained)?;
+        if balanced && !held {
             break;
         }
-        if turns.done >= MOST {
+        if balanced || turns.done >= MOST {
             let start = (judged.displaced.strained.clone(), &attempt, from);
-            let carried = turns.carried(model, condensed, start)?;
             attempt.failure = Some(Objection::Yields {
-                turns: MOST,
-                carried,
+                turns: (!balanced).then_some(MOST),
+                carried: turns.carried(model, condensed, start)?,
             });
             break;
         }
@@ -138,7 +141,7 @@ impl Turns {
     ) -> Result<AllYielded, Error<D>> {
         let returned = self.each(model, condensed, strained, |index, began, u| {
             let of = (&model.bodies[index], model.analysis);
-            began.returned(of, (u, condensed.time))
+            began.returned(of, (u, condensed.time), condensed.bodies[index].flows())
         })?;
         let some = |yielded: Yielded| (!yielded.is_nothing()).then(|| Arc::new(yielded));
         Ok(returned.into_iter().map(|own| own.and_then(some)).collect())
@@ -153,8 +156,9 @@ impl Turns {
     ) -> Result<f64, Error<D>> {
         let left = self.each(model, condensed, strained, |index, began, u| {
             let of = (&model.bodies[index], model.analysis);
-            let now = began.returned(of, (u, condensed.time))?;
-            let assumed = condensed.bodies[index].system.history.yielded.as_deref();
+            let loaded = &condensed.bodies[index];
+            let now = began.returned(of, (u, condensed.time), loaded.flows())?;
+            let assumed = loaded.system.history.yielded.as_deref();
             let rest = now.less(assumed).forces(of.0, of.1)?;
             Ok(largest(rest.into_iter().map(norm)))
         })?;
@@ -170,7 +174,8 @@ impl Turns {
     ) -> Result<Vec<Option<Increment<D>>>, Error<D>> {
         self.each(model, condensed, strained, |index, began, u| {
             let of = (&model.bodies[index], model.analysis);
-            let now = began.returned(of, (u, condensed.time))?;
+            let flows = condensed.bodies[index].flows();
+            let now = began.returned(of, (u, condensed.time), flows)?;
             now.since(began, of, (u, condensed.time))
         })
     }
@@ -184,6 +189,26 @@ impl Turns {
     ) -> Result<f64, Error<D>> {
         let done = self.done(model, condensed, strained)?;
         Ok(largest(done.into_iter().flatten().map(|own| own.force)))
+    }
+
+    /// Loads that no prescribed motion goes with are borne by what cells cannot do: see [`Increment::flow`].
+    fn held_by_cells<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+    ) -> Result<bool, Error<D>> {
+        let moves = |part: &LoadedBody<D>| {
+            let system = &part.system;
+            system.lift.iter().chain(&system.carried).any(|u| *u != 0.0)
+        };
+        let of_pairs = |pair: &Paired<D>| pair.obstacle_motion != [0.0; D];
+        if condensed.bodies.iter().any(moves) || condensed.paired.iter().any(of_pairs) {
+            return Ok(false);
+        }
+        let done = self.done(model, condensed, strained)?;
+        let mut done = done.into_iter().flatten();
+        Ok(done.any(|own| own.flow.is_held_by_cells()))
     }
 
     /// Accelerated steps from some displacements, until little is left unbalanced or no step can be made; the displacements then,
@@ -264,7 +289,8 @@ impl Turns {
             };
             let from_here = (state.clone(), begun, from);
             let (found, ended) = self.settle(model, condensed, from_here, &mut |_| {})?;
-            match ended.failure.is_none() && self.done < MOST {
+            let found_it = ended.failure.is_none() && self.done < MOST;
+            match found_it && !self.held_by_cells(model, condensed, &found)? {
                 true => (low, state) = (share, found),
                 false => high = share,
             }

@@ -42,7 +42,7 @@ pub struct PastBody {
     pub strain_energy: f64,
     /// What had yielded of it at the points of its stiffness, where that is known: as
     /// [`Yielding::points`](crate::model::Yielding::points).
-    pub yielded: Option<Vec<[f64; 7]>>,
+    pub yielded: Option<Vec<[f64; 8]>>,
 }
 
 /// A node of a contact in a step that was solved before.

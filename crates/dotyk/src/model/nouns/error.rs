@@ -449,8 +449,9 @@ pub enum Objection<const D: usize> {
     },
     /// Loss of equilibrium: the load is more than what bodies can bear that yield.
     Yields {
-        /// Elastic problems in which none was found.
-        turns: usize,
+        /// Elastic problems in which none was found; `None`: one was found in which cells hold what the material does not, because they
+        /// cannot flow at constant volume.
+        turns: Option<usize>,
         /// The part of the step that they can bear, from what acted before it in a straight line; `None` where that is not known.
         carried: Option<f64>,
     },
@@ -626,8 +627,12 @@ impl<const D: usize> fmt::Display for Objection<D> {
             Self::Yields { turns, carried } => {
                 write!(
                     f,
-                    "loss of equilibrium: what yields does not bear the load, {turns} elastic problems find no balance"
+                    "loss of equilibrium: what yields does not bear the load, "
                 )?;
+                match turns {
+                    Some(turns) => write!(f, "{turns} elastic problems find no balance")?,
+                    None => write!(f, "only cells that cannot flow at constant volume hold it")?,
+                }
                 match carried {
                     Some(carried) => write!(f, "; it holds {} of the step", Short(*carried)),
                     None => Ok(()),

@@ -262,8 +262,9 @@ pub struct Yielding {
     pub share: Vec<f64>,
     /// Area of what has a plastic strain, in space volume; without thickness, with axial symmetry that of the section.
     pub extent: f64,
-    /// Plastic strain, and behind it the equivalent one, at the points of integration of the stiffness of all cells, block by block.
-    pub points: Vec<[f64; 7]>,
+    /// Plastic strain, behind it the equivalent one and the change of volume that the cell does not resist, at the points of
+    /// integration of the stiffness of all cells, block by block.
+    pub points: Vec<[f64; 8]>,
 }
 
 /// How many components a field has, and which.
