@@ -19,11 +19,11 @@ use crate::model::read::remarks::{
 use crate::model::read::section::lay_out;
 use crate::model::system::admissible::admissible_set;
 use crate::model::system::bodies::{LoadedBody, body_rows, largest_load, systems};
+use crate::model::system::condition::{Condition, row_ranges};
+use crate::model::system::conditions::all_conditions;
 use crate::model::system::drive::{complete, driven};
 use crate::model::system::floating::Floating;
-use crate::model::system::pair::pair_all;
-use crate::model::system::paired::{Kind, Paired, row_ranges};
-use crate::model::system::parts::{couples, first_point};
+use crate::model::system::parts::Parts;
 use std::fmt;
 use std::ops::Range;
 
@@ -131,50 +131,54 @@ fn fill_run<const D: usize>(
             .push(check_body(body, &systems[index], &loads, &free));
         motions.push(free);
     }
-    let points = first_point(model)..;
-    for (part, (body, couple)) in points.zip(couples(model)) {
+    for (part, body, couple) in Parts::of(model).points(model) {
         let arm = couple.arm(&model.bodies[body]);
         let arm = arm.map_err(|source| Error::in_body(&model.bodies[body], source))?;
         let found = check_couple(model, (couple, arm), &systems[part]);
         check.bodies[body].couples.push(found);
     }
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
-    let mut paired = pair_all(stage, &constraints, time).map_err(last)?;
-    let dropped = complete(model, &mut systems, (&mut paired, &|_| None), time).map_err(last)?;
-    sites(model, &paired)?;
+    let mut conditions = all_conditions(stage, &constraints, time).map_err(last)?;
+    let dropped =
+        complete(model, &mut systems, (&mut conditions, &|_| None), time).map_err(last)?;
+    sites(model, &conditions)?;
     lay_out(model)?;
     check.warnings.extend(dropped);
-    let of_pairs = paired.iter().flat_map(|pair| pair.warnings.clone());
-    check.warnings.extend(of_pairs);
-    check.contacts = check_contacts(model, &paired);
+    let of_conditions = conditions
+        .iter()
+        .flat_map(|condition| condition.warnings.clone());
+    check.warnings.extend(of_conditions);
+    check.contacts = check_contacts(model, &conditions);
     check.warnings.extend(remarks(&check.contacts));
-    let rows = body_rows(&systems, &paired);
+    let rows = body_rows(&systems, &conditions);
     let loaded = systems
         .into_iter()
         .zip(rows)
         .map(|(system, rows)| LoadedBody::new(system, rows));
     let mut bodies: Vec<LoadedBody<D>> = loaded.collect();
-    let mut floating = Floating::new(model, &bodies, &paired).map_err(last)?;
+    let mut floating = Floating::new(model, &bodies, &conditions).map_err(last)?;
     check.warnings.extend(floating.warnings.iter().cloned());
-    describe_floating(model, &floating, &paired, &motions, check);
+    describe_floating(model, &floating, &conditions, &motions, check);
     check_balance(
         model,
         &floating,
         &bodies,
-        &paired,
+        &conditions,
         time,
         &mut check.warnings,
     )
     .map_err(last)?;
     for (index, &time) in model.times.iter().enumerate().rev().skip(1) {
         let at = |error: Error<D>| in_step(error, index + 1);
-        (bodies, paired) = driven(model, bodies, paired, (time, None)).map_err(at)?;
-        floating.set_loads(model, &bodies, &paired).map_err(at)?;
+        (bodies, conditions) = driven(model, bodies, conditions, (time, None)).map_err(at)?;
+        floating
+            .set_loads(model, &bodies, &conditions)
+            .map_err(at)?;
         check_balance(
             model,
             &floating,
             &bodies,
-            &paired,
+            &conditions,
             time,
             &mut check.warnings,
         )
@@ -194,15 +198,15 @@ fn check_balance<const D: usize>(
     model: &Model<D>,
     floating: &Floating,
     bodies: &[LoadedBody<D>],
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     time: f64,
     warnings: &mut Vec<String>,
 ) -> Result<(), Error<D>> {
-    let admissible = admissible_set(model, paired, time)?;
+    let admissible = admissible_set(model, conditions, time)?;
     let force = largest_load(bodies);
     let feasible = Feasibility::of(&admissible, &floating.balance, force);
     if let Feasibility::Infeasible { direction, factor } = feasible {
-        let parts = (floating, bodies, paired);
+        let parts = (floating, bodies, conditions);
         let slides = sliding(model, parts, &admissible, (&direction, factor), None)?;
         warnings.push(slides.to_string());
     }
@@ -213,33 +217,32 @@ fn check_balance<const D: usize>(
 fn describe_floating<const D: usize>(
     model: &Model<D>,
     floating: &Floating,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     motions: &[Vec<FreeMotion>],
     check: &mut Check<D>,
 ) {
     for body in &mut check.bodies {
         body.floating.clear();
     }
-    let ranges: Vec<Range<usize>> = row_ranges(paired).map(|(rows, _)| rows).collect();
+    let ranges: Vec<Range<usize>> = row_ranges(conditions).map(|(rows, _)| rows).collect();
     let of_bodies = floating.modes.iter().enumerate();
     for (k, &(body, mode)) in of_bodies.filter(|(_, mode)| mode.0 < model.bodies.len()) {
         let works =
             |range: &Range<usize>| range.clone().any(|i| floating.work(k, i).abs() > NO_PART);
-        let holders = |of: fn(Kind) -> bool| {
-            let pairs = paired.iter().zip(&ranges);
-            let own = pairs.filter(|(pair, _)| of(pair.kind));
-            let names = own.filter(|(_, range)| works(range));
-            let names = names.map(|(pair, _)| format!("\"{}\"", pair.name));
-            names.collect::<Vec<_>>().join(", ")
-        };
-        let held = [
-            ("contact", holders(|kind| kind == Kind::Contact)),
-            ("couple", holders(|kind| matches!(kind, Kind::Couple(_)))),
-            ("bed", holders(|kind| matches!(kind, Kind::Bed(_)))),
-            ("bar", holders(|kind| matches!(kind, Kind::Bar(_)))),
-        ];
-        let held = held.iter().filter(|(_, names)| !names.is_empty());
-        let held = held.map(|(kind, names)| format!("{kind} {names}"));
+        // conditions of a kind stand together
+        let mut held: Vec<(&str, Vec<String>)> = Vec::new();
+        for (condition, range) in conditions.iter().zip(&ranges) {
+            if !works(range) {
+                continue;
+            }
+            let (kind, name) = (condition.source.kind(), format!("\"{}\"", condition.name));
+            match held.last_mut().filter(|last| last.0 == kind) {
+                Some((_, names)) => names.push(name),
+                None => held.push((kind, vec![name])),
+            }
+        }
+        let held = held.iter();
+        let held = held.map(|(kind, names)| format!("{kind} {}", names.join(", ")));
         let held = match held.collect::<Vec<_>>().join(" and ") {
             none if none.is_empty() => "held by nothing".to_string(),
             all => format!("held by {all}"),
@@ -318,9 +321,9 @@ impl<'a, const D: usize> Loads<'a, D> {
         body: usize,
         systems: &'a [BodySystem<D>],
     ) -> Result<Self, Error<D>> {
-        let parts = (first_point(model)..).zip(couples(model));
-        let own = parts.filter(|(_, (of, _))| *of == body);
-        let point = |(part, (_, couple)): (usize, (usize, &'a Couple<D>))| {
+        let own = Parts::of(model).points(model);
+        let own = own.filter(|(_, of, _)| *of == body);
+        let point = |(part, _, couple): (usize, usize, &'a Couple<D>)| {
             let arm = couple.arm(&model.bodies[body]);
             let arm = arm.map_err(|source| Error::in_body(&model.bodies[body], source))?;
             Ok((couple, arm, &systems[part]))

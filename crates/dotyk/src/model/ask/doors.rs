@@ -15,7 +15,7 @@ use crate::model::nouns::file_names::check_file_names;
 use crate::model::nouns::model::{Analysis, Method, Model};
 use crate::model::nouns::solution::Solution;
 use crate::model::system::compliance::DENSE_LIMIT;
-use crate::model::system::parts::couples;
+use crate::model::system::parts::Parts;
 use crate::solve::ContactSolver;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -243,8 +243,8 @@ impl<const D: usize> Dual<D> {
 
     /// Name of a contact by its index in [`Unknown::contact`]; "BODY.POINT" of a couple. Empty where there is none.
     pub fn contact_name(&self, contact: usize) -> &str {
-        let paired = self.condensed.paired.get(contact);
-        paired.map_or("", |pair| pair.name.as_str())
+        let conditions = self.condensed.conditions.get(contact);
+        conditions.map_or("", |condition| condition.name.as_str())
     }
 
     /// g₀ (m,): gaps without displacements; in a tangential row what a slip in earlier steps and the motion of
@@ -284,8 +284,9 @@ impl<const D: usize> Model<D> {
         let bodies = self.bodies.iter().map(|body| ("body", &body.name));
         let contacts = self.contacts.iter();
         let contacts = contacts.map(|contact| ("contact", &contact.name));
-        let names: Vec<String> = couples(self)
-            .map(|(body, couple)| format!("{}.{}", self.bodies[body].name, couple.name))
+        let names: Vec<String> = Parts::of(self)
+            .points(self)
+            .map(|(_, body, couple)| format!("{}.{}", self.bodies[body].name, couple.name))
             .collect();
         let couples = names.iter().map(|name| ("coupled point", name));
         let sections = self.sections.iter();

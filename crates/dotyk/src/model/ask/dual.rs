@@ -16,7 +16,7 @@ use crate::model::nouns::solution::Solution;
 use crate::model::read::view::View;
 use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::Condensed;
-use crate::model::system::paired::{Kind, row_ranges};
+use crate::model::system::condition::{Source, row_ranges};
 use crate::model::system::parts::part_name;
 use crate::solve::Outcome;
 use std::ops::Range;
@@ -64,9 +64,11 @@ impl<const D: usize> Dual<D> {
     pub(crate) fn list_unknowns(&self) -> Vec<Unknown<D>> {
         let mut list = Vec::with_capacity(self.condensed.gaps.len());
         let mut block = 0;
-        for (contact, pair) in self.condensed.paired.iter().enumerate() {
-            let points = self.stage.model.bodies[pair.nonmortar.body.0].mesh.points();
-            for (place, node) in pair.interface.nodes.iter().enumerate() {
+        for (contact, condition) in self.condensed.conditions.iter().enumerate() {
+            let points = self.stage.model.bodies[condition.nonmortar.body.0]
+                .mesh
+                .points();
+            for (place, node) in condition.interface.nodes.iter().enumerate() {
                 let components = (0..D).filter(|&component| node.rows[component].is_some());
                 let before = list.len();
                 list.extend(components.map(|component| Unknown {
@@ -75,7 +77,7 @@ impl<const D: usize> Dual<D> {
                     node: node.node,
                     component,
                     block,
-                    point: pair.place(place, points),
+                    point: condition.place(place, points),
                     direction: node.frame[component],
                     weight: node.weight,
                 }));
@@ -91,11 +93,10 @@ impl<const D: usize> Dual<D> {
             2 => &["normal", "tangent"],
             _ => &["normal", "tangent_1", "tangent_2"],
         };
-        match self.condensed.paired[unknown.contact].kind {
-            Kind::Contact => components[unknown.component],
-            Kind::Couple(_) => "couple",
-            Kind::Bed(_) => "spring",
-            Kind::Bar(_) => "bar",
+        match self.condensed.conditions[unknown.contact].source {
+            Source::Contact(_) => components[unknown.component],
+            Source::Bed(..) => "spring",
+            other => other.kind(),
         }
     }
 
@@ -103,8 +104,8 @@ impl<const D: usize> Dual<D> {
     pub(crate) fn assemble_rows(&self) -> SparseMatrix {
         let columns = self.list_columns();
         let mut entries = Vec::new();
-        for (range, pair) in row_ranges(&self.condensed.paired) {
-            for (part, rows) in pair.ends() {
+        for (range, condition) in row_ranges(&self.condensed.conditions) {
+            for (part, rows) in condition.ends() {
                 let start = columns[part].1.start;
                 for (i, row) in range.clone().zip(rows) {
                     let parts = row.iter().flat_map(|(node, coefficients)| {

@@ -17,7 +17,7 @@ use crate::model::nouns::model::{Bolts, Method, Model};
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::Condensed;
-use crate::model::system::paired::{Paired, carriers};
+use crate::model::system::condition::{Condition, carriers};
 use crate::solve::{
     Accelerated, ContactSolver, FixedBounds, Foreign, Gradient, Iterate, Mprgp, Newton, Outcome,
     Secant, SolveError, Uzawa, correction, loaded,
@@ -268,7 +268,7 @@ pub(crate) fn run_method<const D: usize>(
     let solver = solver.as_ref();
     let mut attempt = run_solver(model, condensed, solver, guess, &mut look, observe)?;
     if attempt.failure.is_none() {
-        let remark = unrest.remark(model, &condensed.paired, attempt.outcome.iterations);
+        let remark = unrest.remark(model, &condensed.conditions, attempt.outcome.iterations);
         attempt.outcome.remarks.extend(remark);
     }
     Ok(attempt)
@@ -322,10 +322,10 @@ fn run_solver<const D: usize>(
             let Condensed {
                 floating,
                 bodies,
-                paired,
+                conditions,
                 ..
             } = condensed;
-            let parts = (floating, &bodies[..], &paired[..]);
+            let parts = (floating, &bodies[..], &conditions[..]);
             let slides = sliding(model, parts, admissible, (&direction, factor), step)?;
             (nowhere(condensed), Some(slides))
         }
@@ -334,7 +334,7 @@ fn run_solver<const D: usize>(
             (nowhere(condensed), Some(slides))
         }
         Err(SolveError::DependentBolts { bolts, modes }) => {
-            let carriers = carriers(model, &condensed.paired);
+            let carriers = carriers(model, &condensed.conditions);
             let bolts = bolts.iter().map(|&i| carriers[i].1).collect();
             return Err(Error::Bolts { bolts, modes });
         }
@@ -389,19 +389,19 @@ impl Unrest {
     fn remark<const D: usize>(
         &self,
         model: &Model<D>,
-        paired: &[Paired<D>],
+        conditions: &[Condition<D>],
         iterations: usize,
     ) -> Option<String> {
-        let rough = |pair: &Paired<D>| pair.slides().contains(&true);
-        if iterations <= MANY || !paired.iter().any(rough) {
+        let rough = |condition: &Condition<D>| condition.slides().contains(&true);
+        if iterations <= MANY || !conditions.iter().any(rough) {
             return None;
         }
         let changes = self.changes.iter().enumerate();
         let (row, _) = changes.max_by(|a, b| a.1.total_cmp(b.1))?;
-        let (index, point) = *carriers(model, paired).get(row)?;
+        let (index, point) = *carriers(model, conditions).get(row)?;
         Some(format!(
             "friction took {iterations} iterations, and the forces of {} at {} changed most: the answer is certified, but may not be the only one; smaller load steps tell which one loading leads to",
-            paired[index].called(),
+            conditions[index].called(),
             show(point)
         ))
     }
@@ -454,7 +454,7 @@ fn bolt_indices<const D: usize>(
     let Bolts::Points(points) = &model.solver.bolts else {
         return Ok(None);
     };
-    let carriers = carriers(model, &condensed.paired);
+    let carriers = carriers(model, &condensed.conditions);
     points
         .iter()
         .map(|&point| {
@@ -463,7 +463,7 @@ fn bolt_indices<const D: usize>(
                 .enumerate()
                 .min_by(|(_, a), (_, b)| distance(a.1, point).total_cmp(&distance(b.1, point)));
             let (index, &(contact, at)) = nearest.ok_or(Error::BoltWithoutContact)?;
-            let side = &condensed.paired[contact].nonmortar;
+            let side = &condensed.conditions[contact].nonmortar;
             let (low, high) = bounding_box(model.bodies[side.body.0].mesh.points());
             let distance = distance(at, point);
             if distance > 0.1 * norm(sub(high, low)) {
@@ -529,9 +529,11 @@ mod tests {
                     step: 'n',
                 });
             }
-            let told = unrest.remark(&model, &condensed.paired, MANY + 1).unwrap();
+            let told = unrest
+                .remark(&model, &condensed.conditions, MANY + 1)
+                .unwrap();
             assert!(told.contains(named), "{told}");
-            assert_eq!(unrest.remark(&model, &condensed.paired, MANY), None);
+            assert_eq!(unrest.remark(&model, &condensed.conditions, MANY), None);
         }
     }
 }

@@ -10,7 +10,7 @@
 
 use crate::contact::{Coupling, InterfaceNode, Moved, Role, Sample};
 use crate::geometry::{Point, add_scaled, dot, invert, norm, sub};
-use crate::model::system::paired::Paired;
+use crate::model::system::condition::Condition;
 use std::collections::BTreeMap;
 
 /// Samples whose scatter in ξ has a smaller determinant lie on a line: reference facets are of size one, their samples far from that.
@@ -35,14 +35,14 @@ pub(crate) struct Overlap<const D: usize> {
 /// The worst overlap of one contact between its nodes under its forces `lambda`; overlaps up to `negligible` are rounding.
 pub(crate) fn worst_overlap<const D: usize>(
     contact: usize,
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     moved: &Moved<'_, D>,
     lambda: &[f64],
     negligible: f64,
 ) -> Option<Overlap<D>> {
     let mut worst: Option<Overlap<D>> = None;
-    let seen = seen(pair, lambda, |sample| sample.at.after(moved));
-    for (samples, (gaps, [pressure, bend])) in pair.samples.iter().zip(seen) {
+    let seen = seen(condition, lambda, |sample| sample.at.after(moved));
+    for (samples, (gaps, [pressure, bend])) in condition.touch.samples.iter().zip(seen) {
         for (sample, gap) in samples.iter().zip(gaps).filter(|(_, gap)| *gap < 0.0) {
             let found = Overlap {
                 contact,
@@ -62,7 +62,7 @@ pub(crate) fn worst_overlap<const D: usize>(
 /// length; `out` tells how far points are out of the obstacle, where one lies opposite: seen from a side that leans, it would
 /// bend more than it does.
 pub(crate) fn resolved<const D: usize>(
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     moved: &Moved<'_, D>,
     lambda: &[f64],
     out: impl Fn(Point<D>) -> Option<f64>,
@@ -73,7 +73,12 @@ pub(crate) fn resolved<const D: usize>(
         out(sub(own, moved.obstacle)).unwrap_or_else(|| sample.at.after(moved))
     };
     let mut resolved = BTreeMap::new();
-    for (samples, (_, [pressure, bend])) in pair.samples.iter().zip(seen(pair, lambda, gap)) {
+    for (samples, (_, [pressure, bend])) in condition
+        .touch
+        .samples
+        .iter()
+        .zip(seen(condition, lambda, gap))
+    {
         let dent = samples
             .iter()
             .fold(0.0, |s: f64, sample| s.max(sample.dent));
@@ -84,28 +89,28 @@ pub(crate) fn resolved<const D: usize>(
 
 /// Of each facet the gaps at its samples, as they are told, and the largest pressure and bend of the gap at its nodes.
 fn seen<const D: usize>(
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     lambda: &[f64],
     gap: impl Fn(&Sample<D>) -> f64,
 ) -> Vec<(Vec<f64>, [f64; 2])> {
     let own = |node: &InterfaceNode<D>| node.rows[0].map(|row| (lambda[row] / node.weight).abs());
-    let nodes = pair.interface.nodes.iter();
+    let nodes = condition.interface.nodes.iter();
     let pressures = nodes.filter_map(|n| Some((n.node, own(n)?))).collect();
-    let pressure = near(pair, &pressures);
+    let pressure = near(condition, &pressures);
     let gaps = |samples: &Vec<Sample<D>>| samples.iter().map(&gap).collect();
-    let facets: Vec<Vec<f64>> = pair.samples.iter().map(gaps).collect();
+    let facets: Vec<Vec<f64>> = condition.touch.samples.iter().map(gaps).collect();
     let mut bends = BTreeMap::new();
-    for (samples, gaps) in pair.samples.iter().zip(&facets) {
+    for (samples, gaps) in condition.touch.samples.iter().zip(&facets) {
         let bend = bend(samples, gaps);
         nodes_of(samples).for_each(|node| raise(&mut bends, node, bend));
     }
     // a condition that is a mean over the facets of a node sees how the gap bends on all of them
-    let bends = near(pair, &bends);
+    let bends = near(condition, &bends);
     let most = |samples: &[Sample<D>], of: &BTreeMap<usize, f64>| {
         let values = nodes_of(samples).filter_map(|node| of.get(&node));
         values.fold(0.0, |largest: f64, value| largest.max(*value))
     };
-    let facets = pair.samples.iter().zip(facets);
+    let facets = condition.touch.samples.iter().zip(facets);
     let facets = facets.map(|(samples, gaps)| {
         let largest = [&pressure, &bends].map(|of| most(samples, of));
         (gaps, largest)
@@ -116,19 +121,21 @@ fn seen<const D: usize>(
 /// The deepest overlap of one contact where nodes were told to take no part, beyond how much its gap bends along a facet that
 /// does: undeformed position and depth.
 pub(crate) fn left_overlap<const D: usize>(
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     moved: &Moved<'_, D>,
     negligible: f64,
 ) -> Option<(Point<D>, f64)> {
-    if pair.left_out.is_empty() {
+    if condition.touch.left_out.is_empty() {
         return None;
     }
-    let bends = pair
-        .samples
-        .iter()
-        .map(|samples| bend(samples, &gaps(samples, moved)));
+    let bends = condition.touch.samples.iter();
+    let bends = bends.map(|samples| bend(samples, &gaps(samples, moved)));
     let resolved = bends.fold(negligible, |s, bend| s.max(negligible + bend));
-    let depths = pair.left_out.iter().zip(gaps(&pair.left_out, moved));
+    let depths = condition
+        .touch
+        .left_out
+        .iter()
+        .zip(gaps(&condition.touch.left_out, moved));
     let depths = depths.map(|(sample, gap)| (sample.point, -gap));
     let deep = depths.filter(|(_, depth)| *depth > resolved);
     deep.max_by(|a, b| a.1.total_cmp(&b.1))
@@ -136,19 +143,19 @@ pub(crate) fn left_overlap<const D: usize>(
 
 /// Node of the nonmortar side that supports hold, and how deep it is in the other side: the deepest one of a contact that is no tie.
 pub(crate) fn held_overlap<const D: usize>(
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     moved: &Moved<'_, D>,
 ) -> Option<(usize, f64)> {
-    let nodes = pair.interface.nodes.iter();
+    let nodes = condition.interface.nodes.iter();
     let held = nodes.filter(|node| node.role == Role::Fixed);
-    let held = held.filter(|_| pair.interface.coupling != Coupling::Tied);
-    let depths = held.filter_map(|node| Some((node.node, -gap_at(pair, node, moved)?)));
+    let held = held.filter(|_| condition.interface.coupling != Coupling::Tied);
+    let depths = held.filter_map(|node| Some((node.node, -gap_at(condition, node, moved)?)));
     depths.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The gap of the deformed sides at a node, or at the one place that stands for it, where that is known.
 fn gap_at<const D: usize>(
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     node: &InterfaceNode<D>,
     moved: &Moved<'_, D>,
 ) -> Option<f64> {
@@ -156,7 +163,7 @@ fn gap_at<const D: usize>(
         let [(place, _)] = node.shares.mean[..] else {
             return None;
         };
-        return Some(pair.interface.points[place].after(moved));
+        return Some(condition.interface.points[place].after(moved));
     }
     let along = |u: Point<D>| dot(node.normal(), u);
     let opposite = node.opposite.iter();
@@ -170,42 +177,51 @@ fn gap_at<const D: usize>(
 /// The smallest gap of one contact at nodes that face something, and between them; `None` where it is not known at a node that
 /// `bears` a force.
 pub(crate) fn smallest_gap<const D: usize>(
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     moved: &Moved<'_, D>,
     bears: impl Fn(usize) -> bool,
 ) -> Option<f64> {
     let mut smallest = f64::INFINITY;
-    for node in &pair.interface.nodes {
+    for node in &condition.interface.nodes {
         let Some(row) = node.rows[0] else { continue };
-        match gap_at(pair, node, moved) {
+        match gap_at(condition, node, moved) {
             Some(gap) => smallest = smallest.min(gap),
             None if bears(row) => return None,
             None => {}
         }
     }
-    let between = pair.samples.iter().flat_map(|samples| gaps(samples, moved));
+    let between = condition
+        .touch
+        .samples
+        .iter()
+        .flat_map(|samples| gaps(samples, moved));
     Some(between.fold(smallest, f64::min)).filter(|gap| gap.is_finite())
 }
 
 /// How deep the sides of one contact have sunk into each other between the nodes, where that is more than half of what either has
 /// moved there: what was drawn so, and what a pressed facet dents, is less.
-pub(crate) fn sunk<const D: usize>(pair: &Paired<D>, moved: &Moved<'_, D>) -> Option<f64> {
+pub(crate) fn sunk<const D: usize>(condition: &Condition<D>, moved: &Moved<'_, D>) -> Option<f64> {
     let motion = |nodes: &[(usize, f64)], u: &[Point<D>]| {
         let sum = nodes
             .iter()
             .fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j]));
         norm(sum)
     };
-    let depths = pair.samples.iter().flatten().filter_map(|sample| {
-        let at = &sample.at;
-        let own = motion(&at.own, &moved.own);
-        let other = match &moved.other {
-            Some(u) => motion(&at.opposite, u),
-            None => norm(moved.obstacle),
-        };
-        let depth = at.gap.min(0.0) - at.after(moved);
-        (depth > SUNK * own.max(other)).then_some(depth)
-    });
+    let depths = condition
+        .touch
+        .samples
+        .iter()
+        .flatten()
+        .filter_map(|sample| {
+            let at = &sample.at;
+            let own = motion(&at.own, &moved.own);
+            let other = match &moved.other {
+                Some(u) => motion(&at.opposite, u),
+                None => norm(moved.obstacle),
+            };
+            let depth = at.gap.min(0.0) - at.after(moved);
+            (depth > SUNK * own.max(other)).then_some(depth)
+        });
     depths.reduce(f64::max)
 }
 
@@ -274,9 +290,12 @@ fn raise(values: &mut BTreeMap<usize, f64>, node: usize, value: f64) {
 }
 
 /// The largest of some nonnegative values at each node of the side or at a node that shares a facet with it.
-fn near<const D: usize>(pair: &Paired<D>, values: &BTreeMap<usize, f64>) -> BTreeMap<usize, f64> {
+fn near<const D: usize>(
+    condition: &Condition<D>,
+    values: &BTreeMap<usize, f64>,
+) -> BTreeMap<usize, f64> {
     let mut near = values.clone();
-    for samples in &pair.samples {
+    for samples in &condition.touch.samples {
         let at = nodes_of(samples).filter_map(|node| values.get(&node));
         let largest = at.fold(0.0, |s: f64, value| s.max(*value));
         nodes_of(samples).for_each(|node| raise(&mut near, node, largest));

@@ -24,7 +24,7 @@ use crate::model::nouns::event::Event;
 use crate::model::nouns::model::{Body, Model};
 use crate::model::system::bodies::LoadedBody;
 use crate::model::system::condense::{Condensed, assume, go_part};
-use crate::model::system::paired::Paired;
+use crate::model::system::condition::Condition;
 use crate::model::system::recover::elastic_displacement;
 use crate::model::system::state::AllYielded;
 use crate::solve::{Anderson, Outcome};
@@ -202,8 +202,8 @@ impl Turns {
             let system = &part.system;
             system.lift.iter().chain(&system.carried).any(|u| *u != 0.0)
         };
-        let of_pairs = |pair: &Paired<D>| pair.obstacle_motion != [0.0; D];
-        if condensed.bodies.iter().any(moves) || condensed.paired.iter().any(of_pairs) {
+        let driven = |own: &Condition<D>| own.touch.obstacle_motion != [0.0; D];
+        if condensed.bodies.iter().any(moves) || condensed.conditions.iter().any(driven) {
             return Ok(false);
         }
         let done = self.done(model, condensed, strained)?;

@@ -6,7 +6,7 @@ use crate::model::march::attempt::Attempt;
 use crate::model::march::judge::{Blur, Judged, blurred, held_to_overlap, left_to_overlap};
 use crate::model::nouns::bar::Bar;
 use crate::model::nouns::error::Error;
-use crate::model::nouns::model::{Contact, Model};
+use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::*;
 use crate::model::nouns::told::named;
@@ -18,9 +18,9 @@ use crate::model::read::section::{pushes, section_forces};
 use crate::model::read::singular::peaks;
 use crate::model::read::view::View;
 use crate::model::system::condense::Condensed;
+use crate::model::system::condition::{Condition, carriers, contact_rows};
 use crate::model::system::dependent::shared_forces;
 use crate::model::system::links::bar_solutions;
-use crate::model::system::paired::{Paired, carriers, row_ranges};
 use crate::solve::{Bolt, Outcome};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -46,14 +46,14 @@ pub(crate) fn finish<const D: usize>(
     let mut warnings = condensed.dropped.clone();
     warnings.extend(
         condensed
-            .paired
+            .conditions
             .iter()
-            .flat_map(|pair| pair.warnings.clone()),
+            .flat_map(|condition| condition.warnings.clone()),
     );
     warnings.extend(view.remarks.iter().cloned());
-    warnings.extend(contact_remarks(model, &condensed.paired));
+    warnings.extend(contact_remarks(model, &condensed.conditions));
     warnings.extend(condensed.floating.warnings.iter().cloned());
-    let bolts = bolt_reports(model, &outcome, &condensed.paired, &mut warnings);
+    let bolts = bolt_reports(model, &outcome, &condensed.conditions, &mut warnings);
     warnings.extend(outcome.remarks.iter().cloned());
     // a body that slides away has no position to tell of
     let placed = failure.is_none() || outcome.iterations > 0;
@@ -110,7 +110,7 @@ pub(crate) fn finish<const D: usize>(
         };
         warnings.push(format!("contact \"{name}\": {told}"));
     }
-    let pairs = (&condensed.bodies[..], &condensed.paired[..]);
+    let pairs = (&condensed.bodies[..], &condensed.conditions[..]);
     warnings.extend(shared_forces(
         model,
         pairs,
@@ -131,7 +131,7 @@ pub(crate) fn finish<const D: usize>(
     if placed {
         warnings.extend(beyond(
             (model, condensed.time),
-            &condensed.paired,
+            &condensed.conditions,
             &bodies,
             &contacts,
         )?);
@@ -142,7 +142,7 @@ pub(crate) fn finish<const D: usize>(
         dofs: bodies.iter().map(|body| body.dofs).sum(),
         bodies,
         contacts,
-        bars: bar_solutions(stage, &condensed.paired, lambda)?,
+        bars: bar_solutions(stage, &condensed.conditions, lambda)?,
         sections,
         certificate,
         overlap,
@@ -170,14 +170,14 @@ pub(crate) fn finish<const D: usize>(
 fn bolt_reports<const D: usize>(
     model: &Model<D>,
     outcome: &Outcome,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     warnings: &mut Vec<String>,
 ) -> Vec<BoltReport<D>> {
-    let carriers = carriers(model, paired);
+    let carriers = carriers(model, conditions);
     let report = |bolt: &Bolt| {
         let (contact, point) = carriers[bolt.index];
         BoltReport {
-            contact: paired[contact].name.clone(),
+            contact: conditions[contact].name.clone(),
             point,
             force: bolt.force,
             moved: bolt.moved,
@@ -204,11 +204,12 @@ fn peaks_of_slivers<const D: usize>(
     condensed: &Condensed<D>,
     lambda: &[f64],
 ) -> Vec<String> {
-    let told = |(contact, (rows, pair)): (&Contact<D>, (Range<usize>, &Paired<D>))| {
-        let forces = pair.forces(&lambda[rows]);
-        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+    let told = |(index, (rows, condition)): (usize, (Range<usize>, &Condition<D>))| {
+        let contact = &model.contacts[index];
+        let forces = condition.forces(&lambda[rows]);
+        let points = model.bodies[condition.nonmortar.body.0].mesh.points();
         let (mut sliver, mut other) = ((0.0, None), 0.0f64);
-        for node in &pair.interface.nodes {
+        for node in &condition.interface.nodes {
             let Some(force) = node.rows[0].map(|row| forces[row]) else {
                 continue;
             };
@@ -231,8 +232,8 @@ fn peaks_of_slivers<const D: usize>(
             Short(force)
         ))
     };
-    let pairs = model.contacts.iter().zip(row_ranges(&condensed.paired));
-    let loose = pairs.filter(|(_, (_, pair))| pair.interface.coupling != Coupling::Tied);
+    let pairs = contact_rows(&condensed.conditions);
+    let loose = pairs.filter(|(_, (_, condition))| condition.interface.coupling != Coupling::Tied);
     loose.filter_map(told).collect()
 }
 
@@ -250,25 +251,35 @@ fn crude_gaps<const D: usize>(
     (lambda, gaps): (&[f64], &[f64]),
 ) -> Option<String> {
     let mut crude: Vec<(f64, f64, &str)> = Vec::new();
-    for (contact, (rows, pair)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
-        if pair.missed.iter().all(BTreeMap::is_empty) {
+    for (index, (rows, condition)) in contact_rows(&condensed.conditions) {
+        let contact = &model.contacts[index];
+        if condition.touch.missed.iter().all(BTreeMap::is_empty) {
             continue;
         }
         let jumps = rows
             .clone()
             .map(|row| (gaps[row] - condensed.gaps[row]).abs());
         let jump = jumps.fold(0.0, f64::max);
-        let forces = pair.forces(&lambda[rows]);
+        let forces = condition.forces(&lambda[rows]);
         let largest = forces.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
         let missed = |(sides, rows): (&BTreeMap<usize, f64>, &Row<D>)| {
             let missed = rows.iter().filter_map(|(node, _)| sides.get(node));
             missed.copied().fold(0.0, f64::max)
         };
-        let normals = pair.interface.nodes.iter().filter_map(|node| node.rows[0]);
+        let normals = condition
+            .interface
+            .nodes
+            .iter()
+            .filter_map(|node| node.rows[0]);
         let loaded = normals.filter(|&row| forces[row].abs() > LOADED * largest);
         let missed = loaded.map(|row| {
-            let sides = [&pair.interface.nonmortar[row], &pair.interface.mortar[row]];
-            pair.missed
+            let sides = [
+                &condition.interface.nonmortar[row],
+                &condition.interface.mortar[row],
+            ];
+            condition
+                .touch
+                .missed
                 .iter()
                 .zip(sides)
                 .map(missed)

@@ -41,8 +41,8 @@ use crate::model::nouns::model::{Contact, Gap, Model, Pair};
 use crate::model::nouns::presence::Stage;
 use crate::model::read::view::View;
 use crate::model::system::condense::Condensed;
+use crate::model::system::condition::{Condition, contact_rows};
 use crate::model::system::displaced::{Displaced, moved};
-use crate::model::system::paired::{Paired, row_ranges};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -72,13 +72,13 @@ pub(crate) fn intrusions<const D: usize>(
 ) -> Vec<Intrusion<D>> {
     let model = stage.model.as_ref();
     let skins = view.skins(model);
-    let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
-    let known = contacts.map(|(contact, (rows, pair))| {
+    let contacts = contact_rows(&condensed.conditions);
+    let known = contacts.map(|(index, (rows, condition))| {
         Named::new(
             (model, skins),
-            contact,
-            pair,
-            moved(model, pair, displaced),
+            &model.contacts[index],
+            condition,
+            moved(condition, displaced),
             &lambda[rows],
         )
     });
@@ -123,11 +123,11 @@ impl<'a, const D: usize> Named<'a, D> {
     fn new(
         (model, skins): (&Model<D>, &[Skin<D>]),
         contact: &'a Contact<D>,
-        pair: &Paired<D>,
+        condition: &Condition<D>,
         moved: Moved<'a, D>,
         lambda: &[f64],
     ) -> Self {
-        let clearances = pair.interface.nodes.iter().map(|node| node.clearance);
+        let clearances = condition.interface.nodes.iter().map(|node| node.clearance);
         let side = |side: &SideRef| -> Surrounding<D> {
             let mesh = &model.bodies[side.body.0].mesh;
             let facets = mesh.side(&side.side).unwrap_or_default().iter();
@@ -137,13 +137,20 @@ impl<'a, const D: usize> Named<'a, D> {
         let given = match contact.gap {
             Some(Gap::Given(_)) => Some((
                 clearances.fold(0.0, f64::max),
-                [Some(side(&pair.nonmortar)), pair.mortar.as_ref().map(side)],
+                [
+                    Some(side(&condition.nonmortar)),
+                    condition.mortar.as_ref().map(side),
+                ],
             )),
             _ => None,
         };
-        let nodes = pair.interface.nodes.iter();
+        let nodes = condition.interface.nodes.iter();
         let out = nodes.filter(|node| node.role == Role::Excluded);
-        let beside = pair.left_out.iter().flat_map(|sample| &sample.at.own);
+        let beside = condition
+            .touch
+            .left_out
+            .iter()
+            .flat_map(|sample| &sample.at.own);
         let out = out
             .map(|node| node.node)
             .chain(beside.map(|(node, _)| *node));
@@ -151,7 +158,7 @@ impl<'a, const D: usize> Named<'a, D> {
             Pair::Obstacle { obstacle, .. } => Some(&obstacle.shape),
             _ => None,
         };
-        let nodes = &pair.interface.nodes;
+        let nodes = &condition.interface.nodes;
         let above = shape.filter(|_| nodes.iter().all(|node| node.shares.mean.len() < 2));
         let above = above.map(|_| {
             let nodes = nodes.iter().filter(|node| node.role != Role::Excluded);
@@ -161,10 +168,10 @@ impl<'a, const D: usize> Named<'a, D> {
             name: &contact.name,
             out: out.collect(),
             bodies: (
-                pair.nonmortar.body.0,
-                pair.mortar.as_ref().map(|side| side.body.0),
+                condition.nonmortar.body.0,
+                condition.mortar.as_ref().map(|side| side.body.0),
             ),
-            resolved: resolved(pair, &moved, lambda, |x| shape?.distance(x)),
+            resolved: resolved(condition, &moved, lambda, |x| shape?.distance(x)),
             above,
             moved,
             given,

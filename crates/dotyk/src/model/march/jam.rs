@@ -40,9 +40,9 @@ pub(crate) fn jammed<const D: usize>(
 ) -> Option<Advice> {
     let gap = condensed.problem.gap(forces);
     let meets = |row: usize| forces.lambda[row] > 0.0 || gap[row] < 0.0;
-    let carriers = condensed.paired.iter().flat_map(|pair| {
-        let carriers = pair.interface.carriers();
-        carriers.map(move |node| ((pair.nonmortar.body.0, node.node), node.normal()))
+    let carriers = condensed.conditions.iter().flat_map(|condition| {
+        let carriers = condition.interface.carriers();
+        carriers.map(move |node| ((condition.nonmortar.body.0, node.node), node.normal()))
     });
     let blocks = condensed.problem.admissible.iter();
     let mut faces: BTreeMap<(usize, usize), Vec<Face<D>>> = BTreeMap::new();
@@ -66,16 +66,16 @@ pub(crate) fn jammed<const D: usize>(
 pub(crate) fn wedged<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> Option<Advice> {
     let mut blocks = condensed.problem.admissible.blocks().iter();
     let mut faces: BTreeMap<usize, Vec<Face<D>>> = BTreeMap::new();
-    for pair in &condensed.paired {
-        let normals: Vec<Point<D>> = pair.interface.carriers().map(|n| n.normal()).collect();
+    for condition in &condensed.conditions {
+        let normals: Vec<Point<D>> = condition.interface.carriers().map(|n| n.normal()).collect();
         let own = blocks.by_ref().take(normals.len());
         let rough = own.filter_map(coefficient).reduce(f64::min);
         let (Some(coefficient), Some(&normal)) = (rough, normals.first()) else {
             continue;
         };
         if normals.iter().all(|n| dot(*n, normal) > 1.0 - FLAT) {
-            let own = (pair.nonmortar.body.0, normal);
-            let other = pair.mortar.as_ref();
+            let own = (condition.nonmortar.body.0, normal);
+            let other = condition.mortar.as_ref();
             let other = other.map(|side| (side.body.0, normal.map(|x| -x)));
             for (body, normal) in [Some(own), other].into_iter().flatten() {
                 faces.entry(body).or_default().push((normal, coefficient));

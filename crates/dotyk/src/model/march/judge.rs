@@ -21,11 +21,11 @@ use crate::model::nouns::presence::Stage;
 use crate::model::read::view::View;
 use crate::model::system::bodies::{LoadedBody, add_rows};
 use crate::model::system::condense::Condensed;
-use crate::model::system::displaced::{Displaced, contact_rows, moved};
+use crate::model::system::condition::{Condition, contact_rows, row_ranges};
+use crate::model::system::displaced::{Displaced, moved};
 use crate::model::system::domains::domains;
 use crate::model::system::links::part_balance;
-use crate::model::system::paired::{Paired, row_ranges};
-use crate::model::system::parts::{first_point, part_name};
+use crate::model::system::parts::Parts;
 use crate::model::system::recover::{
     balanced_state, elastic_displacement, imbalance, rigid_displacement,
 };
@@ -181,13 +181,13 @@ fn displaced<const D: usize>(
         let limiting = gaps.into_iter().zip(&open.limits);
         let limiting = limiting.map(|(gap, limits)| limits.then_some(gap));
         let limiting: Vec<Option<f64>> = limiting.collect();
-        let free = (&open.motions[..], first_point(model));
+        let free = (&open.motions[..], Parts::of(model).free());
         let settled = settle(bodies, floating, free, [&elastic, &rigid], &limiting);
         settled.add_to(1.0, &mut amplitudes);
         rigid = rigid_at(&amplitudes);
     }
     let of_rigid = elastic.split_off(model.bodies.len());
-    let of_parts = domains(&condensed.paired, bodies.len());
+    let of_parts = domains(&condensed.conditions, bodies.len());
     let states = (&model.bodies, bodies, factored, elastic, &rigid).into_par_iter();
     let states = states.enumerate();
     let states = states.map(|(index, (body, loaded, factored, elastic, rigid))| {
@@ -252,10 +252,10 @@ fn deepest_overlap<const D: usize>(
     lambda: &[f64],
 ) -> Option<Overlap<D>> {
     let mut worst: Option<Overlap<D>> = None;
-    for (contact, (rows, pair)) in contact_rows(model, condensed) {
-        let moved = moved(model, pair, displaced);
+    for (contact, (rows, condition)) in contact_rows(&condensed.conditions) {
+        let moved = moved(condition, displaced);
         let negligible = negligible(condensed, displaced, contact, model.solver.tolerance);
-        let found = worst_overlap(contact, pair, &moved, &lambda[rows], negligible);
+        let found = worst_overlap(contact, condition, &moved, &lambda[rows], negligible);
         let deeper = |w: Overlap<D>, f: &Overlap<D>| f.depth * w.resolved > w.depth * f.resolved;
         if let Some(found) = found.filter(|f| worst.is_none_or(|w| deeper(w, f))) {
             worst = Some(found);
@@ -270,13 +270,13 @@ pub(crate) fn left_to_overlap<const D: usize>(
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
 ) -> Vec<(usize, Point<D>, f64)> {
-    let deepest = |(contact, pair): (usize, &Paired<D>)| {
+    let deepest = |(contact, condition): (usize, &Condition<D>)| {
         let negligible = negligible(condensed, displaced, contact, model.solver.tolerance);
-        let found = left_overlap(pair, &moved(model, pair, displaced), negligible);
+        let found = left_overlap(condition, &moved(condition, displaced), negligible);
         found.map(|(point, depth)| (contact, point, depth))
     };
-    let contacts = contact_rows(model, condensed);
-    let contacts = contacts.map(|(contact, (_, pair))| (contact, pair));
+    let contacts = contact_rows(&condensed.conditions);
+    let contacts = contacts.map(|(contact, (_, condition))| (contact, condition));
     contacts.filter_map(deepest).collect()
 }
 
@@ -287,14 +287,14 @@ pub(crate) fn held_to_overlap<const D: usize>(
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
 ) -> Vec<(usize, Point<D>, f64)> {
-    let deepest = |(contact, pair): (usize, &Paired<D>)| {
-        let (node, depth) = held_overlap(pair, &moved(model, pair, displaced))?;
-        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+    let deepest = |(contact, condition): (usize, &Condition<D>)| {
+        let (node, depth) = held_overlap(condition, &moved(condition, displaced))?;
+        let points = model.bodies[condition.nonmortar.body.0].mesh.points();
         let negligible = negligible(condensed, displaced, contact, DEEP);
         (depth > negligible).then_some((contact, points[node], depth))
     };
-    let contacts = contact_rows(model, condensed);
-    let contacts = contacts.map(|(contact, (_, pair))| (contact, pair));
+    let contacts = contact_rows(&condensed.conditions);
+    let contacts = contacts.map(|(contact, (_, condition))| (contact, condition));
     contacts.filter_map(deepest).collect()
 }
 
@@ -319,15 +319,15 @@ pub(crate) fn blurred<const D: usize>(
     let largest = |lambda: &[f64]| lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let whole = largest(lambda);
     let (none, some) = (NO_FORCE * whole, model.solver.tolerance * whole);
-    let told = contact_rows(model, condensed).filter_map(|(contact, (rows, pair))| {
-        let loose = pair.interface.coupling != Coupling::Tied;
+    let told = contact_rows(&condensed.conditions).filter_map(|(contact, (rows, condition))| {
+        let loose = condition.interface.coupling != Coupling::Tied;
         let lambda = &lambda[rows];
         let bears = |row: usize| lambda[row].abs() > none;
-        let moved = moved(model, pair, displaced);
+        let moved = moved(condition, displaced);
         if !loose {
             return None;
         }
-        let nearest = smallest_gap(pair, &moved, bears);
+        let nearest = smallest_gap(condition, &moved, bears);
         let rounding = negligible(condensed, displaced, contact, APART);
         // forces within the tolerance may be or not be
         let force = largest(lambda);
@@ -335,7 +335,7 @@ pub(crate) fn blurred<const D: usize>(
             Some(gap) if force > some && gap > rounding => Some(Blur::Apart(gap)),
             Some(gap) if force <= none && gap < -rounding => Some(Blur::Unborne(-gap)),
             _ => {
-                let deep = sunk(pair, &moved).filter(|depth| *depth > rounding);
+                let deep = sunk(condition, &moved).filter(|depth| *depth > rounding);
                 deep.map(Blur::Sunk)
             }
         };
@@ -346,34 +346,26 @@ pub(crate) fn blurred<const D: usize>(
 
 /// Largest violation of a condition without a multiplier, a length, by contact.
 fn implied_violations<const D: usize>(
-    model: &Model<D>,
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
 ) -> Vec<f64> {
-    let of_pair = |pair: &Paired<D>| {
+    let of_condition = |condition: &Condition<D>| {
         let mut worst = 0.0f64;
-        let moved = moved(model, pair, displaced);
-        let tied = pair.interface.coupling == Coupling::Tied;
-        for condition in pair
-            .interface
-            .implied
-            .iter()
-            .filter(|c| tied || c.component == 0)
-        {
-            let [own, other] = &condition.rows;
+        let moved = moved(condition, displaced);
+        let tied = condition.interface.coupling == Coupling::Tied;
+        let implied = condition.interface.implied.iter();
+        for implied in implied.filter(|c| tied || c.component == 0) {
+            let [own, other] = &implied.rows;
             let along = |row: &Row<D>, u: &dyn Fn(usize) -> Point<D>| -> f64 {
                 row.iter().map(|&(node, c)| dot(c, u(node))).sum()
             };
-            let gap = match condition.component {
-                0 => pair.interface.nodes[condition.node].gap,
+            let gap = match implied.component {
+                0 => condition.interface.nodes[implied.node].gap,
                 _ => 0.0,
             };
-            let other = match (&moved.other, pair.opposite) {
+            let other = match (&moved.other, condition.opposite) {
                 (Some(u), _) => along(other, &|node| u[node]),
-                (None, Some(part)) => {
-                    let u = &displaced.parts[part - model.bodies.len()];
-                    along(other, &|node| u[node])
-                }
+                (None, Some(part)) => along(other, &|node| displaced.nodes(part)[node]),
                 (None, None) => along(other, &|_| moved.obstacle),
             };
             let gap = gap - along(own, &|node| moved.own[node]) - other;
@@ -381,7 +373,7 @@ fn implied_violations<const D: usize>(
         }
         worst
     };
-    condensed.paired.iter().map(of_pair).collect()
+    condensed.conditions.iter().map(of_condition).collect()
 }
 
 /// Motions that the contact forces leave open.
@@ -422,8 +414,10 @@ fn open_motions<const D: usize>(
     let components = problem.admissible.components();
     let mut free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
     // a bar is a tie until it yields
-    for (rows, pair) in row_ranges(&condensed.paired).filter(|(_, pair)| pair.is_link()) {
-        for (row, along) in rows.zip(pair.slides()) {
+    for (rows, condition) in
+        row_ranges(&condensed.conditions).filter(|(_, condition)| condition.elastic.is_some())
+    {
+        for (row, along) in rows.zip(condition.slides()) {
             free[row] |= along;
         }
     }
@@ -443,7 +437,7 @@ fn open_motions<const D: usize>(
         limits: (0..free.len()).map(|i| normal(i) && !bears[i]).collect(),
         hovering: Vec::new(),
     };
-    let points = first_point(model);
+    let parts = Parts::of(model);
     for group in groups(bodies, &free) {
         let left = floating.left_by(&group, |row| bears[row])?;
         // what no contact of theirs controls is there already
@@ -459,8 +453,9 @@ fn open_motions<const D: usize>(
             let mut modes = floating.modes.iter().enumerate();
             modes.any(|(k, mode)| mode.0 == part && left.iter().any(|z| z[k] != 0.0))
         };
-        let named = group.iter().filter(|part| **part < points);
-        let named = named.filter(moved).map(|&part| part_name(model, part));
+        let named = group.iter().filter(|part| parts.owner(**part).is_free());
+        let named = named.filter(moved);
+        let named = named.map(|&part| parts.owner(part).name(model));
         open.hovering.extend(named);
         open.motions.extend(left);
     }
@@ -567,7 +562,7 @@ fn of_domains<const D: usize>(
     for (row, work) in problem.admissible.slip_potentials(lambda, |i| gaps[i]) {
         found[of_row(row)].energy_gap += work;
     }
-    let implied = implied_violations(model, condensed, displaced);
+    let implied = implied_violations(condensed, displaced);
     for (&domain, depth) in coupled.domain.iter().zip(implied) {
         found[domain].implied = found[domain].implied.max(depth);
     }
@@ -593,7 +588,8 @@ fn of_domains<const D: usize>(
 /// Energy that what joints and bars bear besides the forces of their rows would store alone, by row: where these forces take it
 /// back, what is left of it is rounding.
 fn of_base<const D: usize>(condensed: &Condensed<D>) -> impl Iterator<Item = (usize, f64)> {
-    let rows = row_ranges(&condensed.paired).flat_map(|(rows, pair)| rows.zip(&pair.offset));
+    let rows =
+        row_ranges(&condensed.conditions).flat_map(|(rows, condition)| rows.zip(&condition.offset));
     let softness = &condensed.problem.softness;
     rows.map(|(row, offset)| (row, 0.5 * offset * offset * softness[row]))
 }

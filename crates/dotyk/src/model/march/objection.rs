@@ -11,7 +11,7 @@ use crate::model::march::open::most_open;
 use crate::model::nouns::error::{Advice, Objection};
 use crate::model::nouns::model::Model;
 use crate::model::system::condense::Condensed;
-use crate::model::system::paired::carriers;
+use crate::model::system::condition::carriers;
 use crate::model::system::parts::part_name;
 
 /// A body that gives way so many times as much as its cells do leaves the gaps few digits.
@@ -40,8 +40,8 @@ pub(crate) fn objection<const D: usize>(
             let forces = &attempt.outcome.multipliers;
             let row = condensed.problem.least_settled(forces);
             let worst = row.map(|row| {
-                let (index, point) = carriers(model, &condensed.paired)[row];
-                let called = condensed.paired[index].called();
+                let (index, point) = carriers(model, &condensed.conditions)[row];
+                let called = condensed.conditions[index].called();
                 (called, point, advice(model, condensed, (forces, *residual)))
             });
             Some(Objection::Unsettled {

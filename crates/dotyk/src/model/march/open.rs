@@ -9,8 +9,8 @@ use crate::dual::Multipliers;
 use crate::geometry::{Point, add_scaled, norm};
 use crate::model::nouns::model::{Gap, Model};
 use crate::model::system::condense::Condensed;
-use crate::model::system::displaced::{Displaced, contact_rows};
-use crate::model::system::paired::{Paired, row_ranges};
+use crate::model::system::condition::{Condition, contact_rows, row_ranges};
+use crate::model::system::displaced::Displaced;
 use crate::solve::{FREE, left_open};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -26,20 +26,24 @@ pub(crate) fn open_forces<const D: usize>(
     displaced: &Displaced<D>,
     multipliers: &Multipliers,
 ) -> Option<Vec<f64>> {
-    let finer = contact_rows(model, condensed).filter(|(_, (_, pair))| pair.finer);
+    let finer =
+        contact_rows(&condensed.conditions).filter(|(_, (_, condition))| condition.touch.finer);
     let mut asked = vec![false; displaced.gaps.len()];
     let mut rounding = displaced.rounding.clone();
-    for (contact, (rows, pair)) in finer {
+    for (contact, (rows, condition)) in finer {
         asked[rows.clone()].fill(true);
         let given = model.contacts[contact].gap.as_ref();
         if given.is_some_and(|gap| !matches!(gap, Gap::Geometric)) {
             continue;
         }
-        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
+        let points = model.bodies[condition.nonmortar.body.0].mesh.points();
         let coordinates = points.iter().flatten();
         let far = coordinates.fold(0.0, |s: f64, x| s.max(x.abs()));
         // what touches at first has gaps of zero, and those are exact
-        let measured = pair.interface.carriers().filter(|node| node.gap != 0.0);
+        let measured = condition
+            .interface
+            .carriers()
+            .filter(|node| node.gap != 0.0);
         for row in measured.filter_map(|node| node.rows[0]) {
             rounding[rows.start + row] += f64::EPSILON * far;
         }
@@ -49,9 +53,9 @@ pub(crate) fn open_forces<const D: usize>(
     }
     let known = (&displaced.gaps[..], &rounding[..]);
     let found = left_open(&condensed.problem, multipliers, known)?;
-    let mut open = on_nodes(&condensed.paired, &found.change);
+    let mut open = on_nodes(&condensed.conditions, &found.change);
     if !found.free.is_empty() {
-        let free = on_nodes(&condensed.paired, &found.free);
+        let free = on_nodes(&condensed.conditions, &found.free);
         let free = open.iter_mut().zip(&free).filter(|(_, free)| **free > FREE);
         free.for_each(|(open, _)| *open = f64::INFINITY);
     }
@@ -69,18 +73,22 @@ pub(crate) fn most_open<const D: usize>(
 ) -> Option<String> {
     let open = open_forces(model, condensed, displaced, multipliers)?;
     let most = |rows: Range<usize>| open[rows].iter().copied().fold(0.0, f64::max);
-    let each = contact_rows(model, condensed).map(|(_, (rows, pair))| (most(rows), pair));
-    let (_, pair) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(pair.called())
+    let each =
+        contact_rows(&condensed.conditions).map(|(_, (rows, condition))| (most(rows), condition));
+    let (_, condition) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(condition.called())
 }
 
 /// The size of the force that all rows together have on the node of each (m,): where contacts meet they may push a node by forces of
 /// which others take as much back, and those move nothing.
-fn on_nodes<const D: usize>(paired: &[Paired<D>], forces: &[f64]) -> Vec<f64> {
+fn on_nodes<const D: usize>(conditions: &[Condition<D>], forces: &[f64]) -> Vec<f64> {
     let mut sums: BTreeMap<(usize, usize), Point<D>> = BTreeMap::new();
-    for (rows, pair) in row_ranges(paired) {
-        let own = (Some(pair.nonmortar.body.0), &pair.interface.nonmortar);
-        for (part, sides) in [own, (pair.opposite, &pair.interface.mortar)] {
+    for (rows, condition) in row_ranges(conditions) {
+        let own = (
+            Some(condition.nonmortar.body.0),
+            &condition.interface.nonmortar,
+        );
+        for (part, sides) in [own, (condition.opposite, &condition.interface.mortar)] {
             let Some(part) = part else {
                 continue;
             };
@@ -93,9 +101,9 @@ fn on_nodes<const D: usize>(paired: &[Paired<D>], forces: &[f64]) -> Vec<f64> {
         }
     }
     let mut sizes = vec![0.0; forces.len()];
-    for (rows, pair) in row_ranges(paired) {
-        for node in pair.interface.carriers() {
-            let sum = sums.get(&(pair.nonmortar.body.0, node.node));
+    for (rows, condition) in row_ranges(conditions) {
+        for node in condition.interface.carriers() {
+            let sum = sums.get(&(condition.nonmortar.body.0, node.node));
             for row in node.rows.iter().flatten() {
                 sizes[rows.start + row] = sum.copied().map_or(0.0, norm);
             }

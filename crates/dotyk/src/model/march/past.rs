@@ -14,7 +14,7 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::solution::{BodySolution, Solution, Status};
 use crate::model::system::condense::{Condensed, assume};
-use crate::model::system::paired::{Paired, row_ranges};
+use crate::model::system::condition::{Condition, contact_rows};
 use crate::model::system::shared::{bearing_weight, shear_parts};
 use std::sync::Arc;
 
@@ -145,17 +145,17 @@ pub(crate) fn recorded<const D: usize>(
 ) -> Result<Multipliers, String> {
     let m = condensed.gaps.len();
     let (mut lambda, mut gaps) = (vec![0.0; m], vec![None; m]);
-    let pairs = model.contacts.iter().zip(row_ranges(&condensed.paired));
-    for (index, (contact, (rows, pair))) in pairs.enumerate() {
+    for (index, (rows, condition)) in contact_rows(&condensed.conditions) {
+        let contact = &model.contacts[index];
         let found = past.contacts.iter().find(|(name, _)| *name == contact.name);
         let Some((name, nodes)) = found else {
             return Err(format!("it has no contact \"{}\"", contact.name));
         };
         let (lambda, gaps) = (&mut lambda[rows.clone()], &mut gaps[rows]);
-        let shears = |place| shear_parts(model, (index, pair), place, past.time);
-        let bearing = |place, pulls| bearing_weight(model, (index, pair), place, pulls);
-        of_contact(name, pair, nodes, (bearing, shears), (lambda, gaps))?;
-        let besides = lambda.iter_mut().zip(&pair.offset);
+        let shears = |place| shear_parts(model, (index, condition), place, past.time);
+        let bearing = |place, pulls| bearing_weight(model, (index, condition), place, pulls);
+        of_contact(name, condition, nodes, (bearing, shears), (lambda, gaps))?;
+        let besides = lambda.iter_mut().zip(&condition.offset);
         besides.for_each(|(force, offset)| *force -= offset);
     }
     let mut multipliers = Multipliers {
@@ -177,14 +177,14 @@ pub(crate) fn recorded<const D: usize>(
 /// or not, and `shears` are the parts of the shear that the contacts there bear.
 fn of_contact<const D: usize>(
     name: &str,
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     past: &[PastNode<D>],
     (bearing, shears): (impl Fn(usize, bool) -> f64, impl Fn(usize) -> Vec<f64>),
     (lambda, gaps): (&mut [f64], &mut [Option<f64>]),
 ) -> Result<(), String> {
-    let nodes = &pair.interface.nodes;
+    let nodes = &condition.interface.nodes;
     let same = |(place, (now, then)): (usize, (&InterfaceNode<D>, &PastNode<D>))| {
-        let own = pair.own_weight(place);
+        let own = condition.own_weight(place);
         now.node == then.node && (own - then.weight).abs() <= SAME_WEIGHT * own.abs()
     };
     if nodes.len() != past.len() || !nodes.iter().zip(past).enumerate().all(same) {
@@ -345,12 +345,13 @@ pub(crate) fn same_forces<const D: usize>(
     recorded: &Multipliers,
     found: &Multipliers,
 ) -> Result<(), String> {
-    let contacts = row_ranges(&condensed.paired).take(model.contacts.len());
-    let rows = ..contacts.last().map_or(0, |(rows, _)| rows.end);
+    let contacts = contact_rows(&condensed.conditions);
+    let rows = ..contacts.last().map_or(0, |(_, (rows, _))| rows.end);
     let largest = recorded.lambda[rows].iter().chain(&found.lambda[rows]);
     let largest = largest.fold(0.0, |s: f64, l| s.max(l.abs()));
     let limit = SAME * model.solver.tolerance * largest;
-    for (contact, (rows, _)) in model.contacts.iter().zip(row_ranges(&condensed.paired)) {
+    for (index, (rows, _)) in contact_rows(&condensed.conditions) {
+        let contact = &model.contacts[index];
         let both = recorded.lambda[rows.clone()]
             .iter()
             .zip(&found.lambda[rows]);

@@ -10,8 +10,8 @@ use crate::model::nouns::error::{Error, Objection};
 use crate::model::nouns::model::{Law, Model};
 use crate::model::system::bodies::LoadedBody;
 use crate::model::system::condense::Condensed;
+use crate::model::system::condition::Condition;
 use crate::model::system::floating::Floating;
-use crate::model::system::paired::Paired;
 
 /// A change of load of which no more than this part is held is held by nothing.
 const NOTHING: f64 = 1e-6;
@@ -22,7 +22,7 @@ const NOTHING: f64 = 1e-6;
 /// Errors: the body that nothing holds.
 pub(crate) fn sliding<const D: usize>(
     model: &Model<D>,
-    (floating, bodies, paired): (&Floating, &[LoadedBody<D>], &[Paired<D>]),
+    (floating, bodies, conditions): (&Floating, &[LoadedBody<D>], &[Condition<D>]),
     admissible: &AdmissibleSet,
     (direction, factor): (&[f64], Option<f64>),
     step: Option<([f64; 2], &[f64])>,
@@ -35,7 +35,7 @@ pub(crate) fn sliding<const D: usize>(
     let leans = || Feasibility::leans(admissible, balance, direction);
     let of_step = of_step.filter(|(part, _)| factor.is_some() || *part > NOTHING && leans());
     let Some(held) = of_step.map(|(part, _)| part).or(factor) else {
-        return Err(floating.pulled_away(model, (bodies, paired), admissible, direction));
+        return Err(floating.pulled_away(model, (bodies, conditions), admissible, direction));
     };
     let (bodies, motion) = floating.motion(model, bodies, direction);
     Ok(Objection::Slides {

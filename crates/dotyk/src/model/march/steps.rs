@@ -22,7 +22,7 @@ use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
 use crate::model::system::condense::{Condensed, advance, again, assemble};
-use crate::model::system::paired::{Kind, row_ranges};
+use crate::model::system::condition::{Source, row_ranges};
 use crate::model::system::state::State;
 use crate::solve::ContactSolver;
 use std::mem::take;
@@ -188,7 +188,7 @@ impl<'m, const D: usize> March<'m, D> {
     ) -> Result<Here<D>, Error<D>> {
         let new = || State::new(model, time, self.staged);
         let mut state = self.state.take().unwrap_or_else(new);
-        let last = self.here.as_ref().map(|(here, _)| &here.paired[..]);
+        let last = self.here.as_ref().map(|(here, _)| &here.conditions[..]);
         let begins = state.go_on(model, (step, time), last) || self.stage.is_none();
         let stage = self.stage.take().filter(|_| !begins);
         let stage = self
@@ -202,7 +202,7 @@ impl<'m, const D: usize> March<'m, D> {
                     true => view,
                     false => {
                         here.seconds = Seconds::default();
-                        view.of_same(stage, &here.paired)?
+                        view.of_same(stage, &here.conditions)?
                     }
                 };
                 Ok((advance(&stage.model, here, from, observe)?, view))
@@ -211,7 +211,7 @@ impl<'m, const D: usize> March<'m, D> {
                 let last = last.map(|(last, _)| last);
                 let assembled = assemble(stage, from, last, observe)?;
                 // what it is looked at with is asked for before anything is factored
-                let view = View::new(stage, &assembled.paired)?;
+                let view = View::new(stage, &assembled.conditions)?;
                 let condensed = assembled.condense(&stage.model, self.dense_limit, observe)?;
                 Ok((condensed, view))
             }
@@ -235,7 +235,7 @@ fn solve_again<const D: usize>(
     let differs = |what: String| Error::Past { step, what };
     let recorded = recorded(&here.0, model, done).map_err(differs)?;
     assume_recorded(&mut here.0, model, done)?.map_err(differs)?;
-    let coupled = here.0.paired.len() > model.contacts.len();
+    let coupled = here.0.conditions.iter().any(|c| c.contact().is_none());
     let guess = (!coupled).then_some(&recorded);
     let (state, mut solution, objection) = solve_step(stage, here, (None, guess), start, observe)?;
     if let Some(objection) = objection {
@@ -298,8 +298,8 @@ fn solve_step<const D: usize>(
     let slid = (&slip[..], &lost[..]);
     let of_bodies = condensed.bodies.iter().take(model.bodies.len());
     let yielded = of_bodies.map(|body| body.system.history.yielded.clone());
-    let (of_pairs, yielded) = (&condensed.paired[..], yielded.collect());
-    state.remember(&mut solution, of_pairs, (load, forces), slid, yielded);
+    let (of_conditions, yielded) = (&condensed.conditions[..], yielded.collect());
+    state.remember(&mut solution, of_conditions, (load, forces), slid, yielded);
     condensed.seconds.recover += lap.seconds();
     condensed.seconds.total = start.elapsed().as_secs_f64();
     solution.seconds = condensed.seconds;
@@ -314,10 +314,10 @@ fn slip<const D: usize>(
 ) -> Vec<f64> {
     let mut slip = vec![0.0; condensed.gaps.len()];
     // gap = g₀ + slip at the last step − slip now
-    let before = condensed.state.slips(&condensed.paired);
-    for (rows, pair) in row_ranges(&condensed.paired) {
-        let slackens = matches!(pair.kind, Kind::Bar(bar) if model.bars[bar].slackens());
-        for (row, tangential) in rows.zip(pair.slides()) {
+    let before = condensed.state.slips(&condensed.conditions);
+    for (rows, condition) in row_ranges(&condensed.conditions) {
+        let slackens = matches!(condition.source, Source::Bar(bar) if model.bars[bar].slackens());
+        for (row, tangential) in rows.zip(condition.slides()) {
             let before = before[row];
             let now = before - judged.displaced.gaps[row];
             slip[row] = match (tangential, slackens) {

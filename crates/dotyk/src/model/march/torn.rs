@@ -22,8 +22,8 @@ use crate::model::nouns::error::Objection;
 use crate::model::nouns::model::Model;
 use crate::model::system::bodies::least_softness;
 use crate::model::system::condense::Condensed;
+use crate::model::system::condition::row_ranges;
 use crate::model::system::joints::joints;
-use crate::model::system::paired::row_ranges;
 use crate::solve::{Shear, State, torn as torn_component};
 
 /// A node of a joint that is lost on the way to the end of a step.
@@ -43,23 +43,23 @@ pub(crate) fn torn<const D: usize>(
     let unsettled = matches!(attempt.failure, Some(Objection::Unsettled { .. }));
     let forces = unsettled.then_some(&attempt.outcome.multipliers)?;
     let component = torn_component(&condensed.problem, forces)?;
-    let mut ranges = row_ranges(&condensed.paired).enumerate();
-    let (index, (rows, pair)) = ranges.find(|(_, (rows, _))| rows.contains(&component))?;
+    let mut ranges = row_ranges(&condensed.conditions).enumerate();
+    let (index, (rows, condition)) = ranges.find(|(_, (rows, _))| rows.contains(&component))?;
     let row = component - rows.start;
-    let mut nodes = pair.interface.nodes.iter();
+    let mut nodes = condition.interface.nodes.iter();
     let place = nodes.position(|node| node.rows[0] == Some(row))?;
-    let mut lost: Vec<Vec<bool>> = (condensed.paired.iter())
-        .map(|pair| pair.lost.clone())
+    let mut lost: Vec<Vec<bool>> = (condensed.conditions.iter())
+        .map(|condition| condition.touch.lost.clone())
         .collect();
     let own = lost.get_mut(index)?.get_mut(place)?;
     if std::mem::replace(own, true) {
         return None;
     }
-    let node = pair.interface.nodes[place].node;
-    let at = model.bodies[pair.nonmortar.body.0].mesh.points()[node];
+    let node = condition.interface.nodes[place].node;
+    let at = model.bodies[condition.nonmortar.body.0].mesh.points()[node];
     let words = format!(
         "contact \"{}\": at node {node} {} the shear that the joint bears lifts it off, and without that shear it is pressed on again: the joint has parted there within this step, cohesion and tension are lost in it already, and dry friction is left; smaller load steps tell when it parts",
-        pair.name,
+        condition.name,
         show(at)
     );
     Some(Torn { lost, words })
@@ -72,8 +72,8 @@ pub(crate) fn after<const D: usize>(
     judged: &Judged<D>,
     lambda: &[f64],
 ) -> (Vec<Vec<bool>>, Vec<String>) {
-    let mut lost: Vec<Vec<bool>> = (condensed.paired.iter())
-        .map(|pair| pair.lost.clone())
+    let mut lost: Vec<Vec<bool>> = (condensed.conditions.iter())
+        .map(|condition| condition.touch.lost.clone())
         .collect();
     let mut warnings = Vec::new();
     let known = known_gaps(model, condensed, judged, lambda);
@@ -82,10 +82,10 @@ pub(crate) fn after<const D: usize>(
         let state = State::of_forces(block, &lambda[range.clone()]);
         slips[range.start] = state.shear != Shear::Stick;
     }
-    let ranges: Vec<_> = row_ranges(&condensed.paired)
+    let ranges: Vec<_> = row_ranges(&condensed.conditions)
         .map(|(rows, _)| rows)
         .collect();
-    for (index, contact, pair) in joints(model, &condensed.paired) {
+    for (index, contact, condition) in joints(model, &condensed.conditions) {
         let first = ranges[index].start;
         let own = lambda[ranges[index].clone()].iter();
         let none = NONE * own.fold(0.0, |s: f64, l| s.max(l.abs()));
@@ -100,7 +100,7 @@ pub(crate) fn after<const D: usize>(
             open || slips[normal] && rows.any(moved)
         };
         let mut count = 0;
-        for (lost, node) in lost[index].iter_mut().zip(&pair.interface.nodes) {
+        for (lost, node) in lost[index].iter_mut().zip(&condition.interface.nodes) {
             if !*lost && goes(node) {
                 (*lost, count) = (true, count + 1);
             }

@@ -13,7 +13,7 @@ use crate::model::nouns::solution::{BodySolution, ContactNode, ContactSolution, 
 use crate::model::nouns::told::named;
 use crate::model::read::remarks::mean_facet;
 use crate::model::read::stiff::{enclosed, locks_plastic, too_stiff, uneven_pressures};
-use crate::model::system::paired::Paired;
+use crate::model::system::condition::Condition;
 use rayon::prelude::*;
 
 /// Strains and rotations above this are large.
@@ -33,7 +33,7 @@ const FEW: usize = 5;
 /// Errors: a group of cells without a material.
 pub(crate) fn beyond<const D: usize>(
     (model, time): (&Model<D>, f64),
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     bodies: &[BodySolution<D>],
     contacts: &[ContactSolution<D>],
 ) -> Result<Vec<String>, Error<D>> {
@@ -49,9 +49,9 @@ pub(crate) fn beyond<const D: usize>(
         .iter()
         .flat_map(|(large, stiff)| large.iter().chain(stiff));
     let mut warnings: Vec<String> = of_bodies.cloned().collect();
-    let is_loose = |pair: &Paired<D>| pair.interface.coupling != Coupling::Tied;
-    let loose = contacts.iter().zip(paired);
-    let loose = loose.filter(|(_, pair)| is_loose(pair));
+    let is_loose = |condition: &Condition<D>| condition.interface.coupling != Coupling::Tied;
+    let loose = contacts.iter().zip(conditions);
+    let loose = loose.filter(|(_, condition)| is_loose(condition));
     let loose: Vec<&ContactSolution<D>> = loose.map(|(contact, _)| contact).collect();
     warnings.extend(few_closed(model, &loose));
     warnings.extend(loose.iter().filter_map(|contact| far_slip(model, contact)));
@@ -62,11 +62,11 @@ pub(crate) fn beyond<const D: usize>(
         holds.then(|| uneven_pressures(model, contact, &bodies[body], enough))?
     });
     warnings.extend(uneven);
-    let both = model.contacts.iter().zip(contacts).zip(paired);
-    let rolled = both.filter(|(_, pair)| is_loose(pair));
-    for ((contact, solved), pair) in rolled {
+    let both = model.contacts.iter().zip(contacts).zip(conditions);
+    let rolled = both.filter(|(_, condition)| is_loose(condition));
+    for ((contact, solved), condition) in rolled {
         let rolled = along_a_curve(contact, solved);
-        warnings.extend(rolled.or_else(|| met_elsewhere(contact, pair, (solved, bodies))));
+        warnings.extend(rolled.or_else(|| met_elsewhere(contact, condition, (solved, bodies))));
     }
     Ok(warnings)
 }
@@ -165,7 +165,7 @@ fn along_a_curve<const D: usize>(of: &Contact<D>, contact: &ContactSolution<D>) 
 /// A curved obstacle whose motion brings it to where it was not opposite: its overlap with nodes that have no force.
 fn met_elsewhere<const D: usize>(
     of: &Contact<D>,
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     (contact, bodies): (&ContactSolution<D>, &[BodySolution<D>]),
 ) -> Option<String> {
     let Pair::Obstacle { obstacle, .. } = &of.pair else {
@@ -177,7 +177,7 @@ fn met_elsewhere<const D: usize>(
     if matches!(surface, Surface::Plane { .. }) {
         return None;
     }
-    let motion = pair.obstacle_motion;
+    let motion = condition.touch.obstacle_motion;
     let u = &bodies[contact.nonmortar.body.0].displacement;
     let approach = contact.nodes.iter().map(|node| {
         let jump = node.displacement_nonmortar - node.displacement_mortar;

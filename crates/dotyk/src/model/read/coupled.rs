@@ -5,9 +5,8 @@ use crate::geometry::Point;
 use crate::model::nouns::model::{Analysis, Couple, Model};
 use crate::model::nouns::solution::CoupleSolution;
 use crate::model::system::condense::Condensed;
+use crate::model::system::condition::{Source, row_ranges};
 use crate::model::system::displaced::Displaced;
-use crate::model::system::paired::row_ranges;
-use crate::model::system::parts::{couples, first_point};
 
 /// Solutions of the couples of every body under forces `lambda` (m,), (bodies,).
 pub(crate) fn couple_solutions<const D: usize>(
@@ -17,18 +16,21 @@ pub(crate) fn couple_solutions<const D: usize>(
     lambda: &[f64],
 ) -> Vec<Vec<CoupleSolution<D>>> {
     let mut solutions = vec![Vec::new(); model.bodies.len()];
-    let rows = row_ranges(&condensed.paired).skip(model.contacts.len());
-    let parts = first_point(model)..;
-    for (part, ((body, couple), (rows, pair))) in parts.zip(couples(model).zip(rows)) {
+    for (rows, condition) in row_ranges(&condensed.conditions) {
+        let (Source::Couple(body, place, _), Some(part)) = (condition.source, condition.opposite)
+        else {
+            continue;
+        };
+        let couple = &model.bodies[body].couples[place];
         let turns = Couple::<D>::turns(model.analysis);
         let points = model.bodies[body].mesh.points();
         let (force, moment) = pushed(
-            &pair.interface.nonmortar,
+            &condition.interface.nonmortar,
             &lambda[rows],
             points,
             couple.point,
         );
-        let [u, turned] = [0, 1].map(|node| displaced.parts[part - model.bodies.len()][node]);
+        let [u, turned] = [0, 1].map(|node| displaced.nodes(part)[node]);
         // a side that could be paired has an arm
         let arm = couple.arm(&model.bodies[body]).unwrap_or(f64::NAN);
         let angles = |vector: &dyn Fn(usize) -> f64| match model.analysis {

@@ -14,8 +14,8 @@ use crate::model::nouns::solution::*;
 use crate::model::read::coupled::couple_solutions;
 use crate::model::system::bodies::LoadedBody;
 use crate::model::system::condense::Condensed;
+use crate::model::system::condition::{Condition, Source, contact_rows, row_ranges};
 use crate::model::system::displaced::{Displaced, moved};
-use crate::model::system::paired::{Kind, Paired, row_ranges};
 use crate::model::system::recover::BodyState;
 use crate::model::system::shared::share_out;
 use crate::solve::{Shear, State};
@@ -33,20 +33,21 @@ pub(crate) fn fields<const D: usize>(
     lambda: &[f64],
 ) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
     let shears = shears(&condensed.problem.admissible, lambda);
-    let contacts = model.contacts.iter().zip(row_ranges(&condensed.paired));
-    let contacts = contacts.map(|(contact, (rows, pair))| {
-        let obstacle = moved(model, pair, &displaced).obstacle;
+    let contacts = contact_rows(&condensed.conditions);
+    let contacts = contacts.map(|(index, (rows, condition))| {
+        let contact = &model.contacts[index];
+        let obstacle = moved(condition, &displaced).obstacle;
         let rows = Rows {
             gaps: &displaced.gaps[rows.clone()],
             borne: &lambda[rows.clone()],
-            lambda: &pair.forces(&lambda[rows.clone()]),
+            lambda: &condition.forces(&lambda[rows.clone()]),
             shears: &shears[rows],
             dissipated: condensed.state.dissipated(&contact.name),
         };
         contact_solution(
             model,
             &contact.name,
-            pair,
+            condition,
             (&displaced.states, obstacle),
             rows,
         )
@@ -55,7 +56,7 @@ pub(crate) fn fields<const D: usize>(
     let of_rows = [lambda, &displaced.gaps];
     share_out(
         model,
-        &condensed.paired,
+        &condensed.conditions,
         of_rows,
         condensed.time,
         &mut contacts,
@@ -64,7 +65,7 @@ pub(crate) fn fields<const D: usize>(
         told.tell_for(contact.pair.first());
     }
     let couples = couple_solutions(model, condensed, &displaced, lambda);
-    let links = link_forces(model, &condensed.paired, lambda, &mut displaced.states);
+    let links = link_forces(model, &condensed.conditions, lambda, &mut displaced.states);
     let others = couples.into_par_iter().zip(links);
     let before = condensed.state.yielded();
     let bodies = (&model.bodies, &condensed.bodies, displaced.states);
@@ -186,39 +187,39 @@ fn yielding<const D: usize>(
 /// what is given back: forces by node ON each body.
 fn link_forces<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     lambda: &[f64],
     states: &mut [BodyState<D>],
 ) -> Vec<BTreeMap<usize, Point<D>>> {
     let count = states.len();
     let mut of_bars = vec![BTreeMap::new(); model.bodies.len()];
-    for (rows, pair) in row_ranges(paired) {
-        for (body, rows_on) in pair.ends().filter(|(part, _)| *part < count) {
+    for (rows, condition) in row_ranges(conditions) {
+        for (body, rows_on) in condition.ends().filter(|(part, _)| *part < count) {
             // what is in the forces of contacts already are those of the problem
-            for (row, offset) in rows_on.iter().zip(&pair.offset) {
+            for (row, offset) in rows_on.iter().zip(&condition.offset) {
                 for &(node, c) in row.iter().filter(|_| *offset != 0.0) {
                     let sum = &mut states[body].contact_forces[node];
                     *sum = add_scaled(*sum, -offset, c);
                 }
             }
-            if !pair.is_link() {
+            if condition.elastic.is_none() {
                 continue;
             }
-            let forces = pair.forces(&lambda[rows.clone()]);
+            let forces = condition.forces(&lambda[rows.clone()]);
             let forces = rows_on.iter().zip(forces);
             let forces =
                 forces.flat_map(|(row, l)| row.iter().map(move |&(n, c)| (n, c.map(|c| -l * c))));
             for (node, force) in forces {
                 let state = &mut states[body];
                 state.contact_forces[node] = add_scaled(state.contact_forces[node], -1.0, force);
-                let sum = match pair.kind {
-                    Kind::Bed(spring) => &mut state.springs[spring][node],
+                let sum = match condition.source {
+                    Source::Bed(_, spring) => &mut state.springs[spring][node],
                     _ => of_bars[body].entry(node).or_insert([0.0; D]),
                 };
                 *sum = add_scaled(*sum, 1.0, force);
             }
         }
-        for &(body, node, force) in &pair.link.steady {
+        for &(body, node, force) in &condition.steady {
             let sum = of_bars[body].entry(node).or_insert([0.0; D]);
             *sum = add_scaled(*sum, 1.0, force);
         }
@@ -328,27 +329,26 @@ fn shears(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Option<Shear>> {
 /// Tangential displacement of a node relative to the other side as its rows see it; along a direction that supports hold, and
 /// that has no row, that `at_node`.
 fn mean_slip<const D: usize>(
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     node: &InterfaceNode<D>,
     at_node: Point<D>,
     (states, obstacle): (&[BodyState<D>], Point<D>),
 ) -> Point<D> {
-    let interface = &pair.interface;
+    let interface = &condition.interface;
     let mut slip = [0.0; D];
     for (direction, row) in node.frame.into_iter().zip(node.rows).skip(1) {
         let along = match row {
             None => dot(at_node, direction),
             Some(row) => {
                 let own = interface.nonmortar[row].iter();
-                let own = own.map(|&(j, c)| dot(c, states[pair.nonmortar.body.0].u[j]));
+                let own = own.map(|&(j, c)| dot(c, states[condition.nonmortar.body.0].u[j]));
                 let other = interface.mortar[row].iter();
-                let other = other.map(|&(j, c)| match &pair.mortar {
+                let other = other.map(|&(j, c)| match &condition.mortar {
                     Some(mortar) => dot(c, states[mortar.body.0].u[j]),
                     None => dot(c, obstacle),
                 });
-                let fitted = pair
-                    .fit
-                    .along(&interface.nonmortar[row], &interface.mortar[row]);
+                let rows = [&interface.nonmortar[row], &interface.mortar[row]];
+                let fitted = condition.touch.fit.along(rows[0], rows[1]);
                 own.sum::<f64>() + other.sum::<f64>() - fitted
             }
         };
@@ -360,7 +360,7 @@ fn mean_slip<const D: usize>(
 fn contact_solution<const D: usize>(
     model: &Model<D>,
     name: &str,
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     (states, obstacle): (&[BodyState<D>], Point<D>),
     Rows {
         gaps,
@@ -370,13 +370,13 @@ fn contact_solution<const D: usize>(
         dissipated: before,
     }: Rows<'_>,
 ) -> ContactSolution<D> {
-    let body = &model.bodies[pair.nonmortar.body.0];
-    let coupling = pair.interface.coupling;
+    let body = &model.bodies[condition.nonmortar.body.0];
+    let coupling = condition.interface.coupling;
     // projected methods leave traces of force where a contact is open
     let none = NONE * borne.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let node_state = |node: &InterfaceNode<D>| {
-        let u_nonmortar = states[pair.nonmortar.body.0].u[node.node];
-        let u_mortar = match &pair.mortar {
+        let u_nonmortar = states[condition.nonmortar.body.0].u[node.node];
+        let u_mortar = match &condition.mortar {
             Some(_) if node.opposite.is_empty() => None,
             Some(mortar) => {
                 let u = &states[mortar.body.0].u;
@@ -387,7 +387,10 @@ fn contact_solution<const D: usize>(
             None => Some(obstacle),
         };
         let along = |u: Point<D>| dot(node.normal(), u);
-        let fitted = pair.fit.jump(&[(node.node, 1.0)], &node.opposite);
+        let fitted = condition
+            .touch
+            .fit
+            .jump(&[(node.node, 1.0)], &node.opposite);
         let displacement_nonmortar = along(u_nonmortar);
         let displacement_mortar = u_mortar.map_or(f64::NAN, along);
         let at_node = u_mortar.map_or([f64::NAN; D], |u| {
@@ -398,7 +401,7 @@ fn contact_solution<const D: usize>(
         // node is told
         let slip = match D {
             2 => at_node,
-            _ => mean_slip(pair, node, at_node, (states, obstacle)),
+            _ => mean_slip(condition, node, at_node, (states, obstacle)),
         };
         let (gap, pressure, status) = match (node.role, node.rows[0]) {
             (Role::Alone | Role::Excluded, _) => (f64::NAN, 0.0, Status::Open),
@@ -429,7 +432,7 @@ fn contact_solution<const D: usize>(
         });
         ContactNode {
             node: node.node,
-            partner: pair.mortar.as_ref().and_then(|_| node.partner()),
+            partner: condition.mortar.as_ref().and_then(|_| node.partner()),
             point: body.mesh.points()[node.node],
             normal: node.normal(),
             weight: node.weight,
@@ -442,32 +445,32 @@ fn contact_solution<const D: usize>(
             status,
         }
     };
-    let nodes: Vec<ContactNode<D>> = pair.interface.nodes.iter().map(node_state).collect();
+    let nodes: Vec<ContactNode<D>> = condition.interface.nodes.iter().map(node_state).collect();
     let touching = |n: &ContactNode<D>| n.status != Status::Open && n.status != Status::Fixed;
     let length = |counts: &dyn Fn(&ContactNode<D>) -> bool| {
-        let extents = nodes.iter().zip(&pair.interface.nodes);
+        let extents = nodes.iter().zip(&condition.interface.nodes);
         let counted = extents.filter(|(state, _)| counts(state));
         counted.map(|(_, node)| node.extent).sum()
     };
-    let (resultant, moment, imbalance) = balance(model, pair, lambda);
-    let tangential = pair.slides().into_iter();
+    let (resultant, moment, imbalance) = balance(model, condition, lambda);
+    let tangential = condition.slides().into_iter();
     let work = tangential.zip(lambda.iter().zip(gaps));
     let dissipated = work.map(|(is, (l, gap))| if is { -l * gap } else { 0.0 });
     let dissipated = dissipated.sum::<f64>();
     ContactSolution {
         name: name.to_string(),
-        nonmortar: pair.nonmortar.clone(),
-        mortar: pair.mortar.clone(),
+        nonmortar: condition.nonmortar.clone(),
+        mortar: condition.mortar.clone(),
         length: length(&touching),
         length_stick: length(&|n| n.status == Status::Stick),
         length_slip: length(&|n| n.status == Status::Slip),
         nodes,
-        cyclic: pair.interface.cyclic,
-        first: pair.nonmortar.clone(),
+        cyclic: condition.interface.cyclic,
+        first: condition.nonmortar.clone(),
         resultant,
         moment,
         imbalance,
-        obstacle: pair.mortar.is_none().then_some(obstacle),
+        obstacle: condition.mortar.is_none().then_some(obstacle),
         dissipated,
         dissipated_total: before + dissipated,
     }
@@ -477,21 +480,26 @@ fn contact_solution<const D: usize>(
 /// forces relative to the sum of the nodal forces, moments to that times the size of the interface; the larger.
 fn balance<const D: usize>(
     model: &Model<D>,
-    pair: &Paired<D>,
+    condition: &Condition<D>,
     lambda: &[f64],
 ) -> (Point<D>, [f64; 3], f64) {
     let points = |side: &SideRef| model.bodies[side.body.0].mesh.points();
-    let own = points(&pair.nonmortar);
-    let nodes: Vec<Point<D>> = pair.interface.nodes.iter().map(|n| own[n.node]).collect();
+    let own = points(&condition.nonmortar);
+    let nodes: Vec<Point<D>> = condition
+        .interface
+        .nodes
+        .iter()
+        .map(|n| own[n.node])
+        .collect();
     let (low, high) = bounding_box(&nodes);
     let centre = centroid(&[low, high]);
-    let (resultant, moment) = pushed(&pair.interface.nonmortar, lambda, own, centre);
+    let (resultant, moment) = pushed(&condition.interface.nonmortar, lambda, own, centre);
     let about_origin = add_scaled(moment, 1.0, cross(centre, resultant));
     let magnitude: f64 = lambda.iter().map(|l| l.abs()).sum();
-    let Some(mortar) = pair.mortar.as_ref().filter(|_| magnitude > 0.0) else {
+    let Some(mortar) = condition.mortar.as_ref().filter(|_| magnitude > 0.0) else {
         return (resultant, about_origin, 0.0);
     };
-    let (force, other) = pushed(&pair.interface.mortar, lambda, points(mortar), centre);
+    let (force, other) = pushed(&condition.interface.mortar, lambda, points(mortar), centre);
     let (mut rest, mut turn) = (
         add_scaled(resultant, 1.0, force),
         norm(add_scaled(moment, 1.0, other)),

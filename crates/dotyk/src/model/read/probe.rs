@@ -23,7 +23,7 @@ use crate::model::read::line::{
     Breaks, Station, points_between, stations_along, stations_at, stations_within,
 };
 use crate::model::read::on_side::{OnSide, fitting};
-use crate::model::system::paired::Paired;
+use crate::model::system::condition::Condition;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A smaller shape function is rounding: that node has no part in the value.
@@ -77,11 +77,11 @@ fn value<const D: usize>(
 /// Errors: no place, points outside, lines that miss their body, sides that are not there, with the probe's name.
 pub(crate) fn sites<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
 ) -> Result<Vec<Site<D>>, Error<D>> {
-    let sides: Vec<Sides> = paired
+    let sides: Vec<Sides> = conditions
         .iter()
-        .map(|pair| (&pair.nonmortar, pair.mortar.is_some()))
+        .map(|condition| (&condition.nonmortar, condition.mortar.is_some()))
         .collect();
     let named = |probe| site(model, &sides, probe).map_err(|source| in_probe(probe, source));
     model.probes.iter().map(named).collect()

@@ -9,7 +9,7 @@ use crate::model::nouns::model::*;
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::told::{NAMED, named};
 use crate::model::read::unglued::unglued;
-use crate::model::system::paired::Paired;
+use crate::model::system::condition::Condition;
 use rayon::prelude::*;
 
 /// What was found about one contact.
@@ -47,24 +47,26 @@ const INACCURATE: f64 = 1e-6;
 /// What can be said of each contact before anything is solved.
 pub(crate) fn check_contacts<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
 ) -> Vec<ContactCheck<D>> {
-    let look = |(contact, pair): (&Contact<D>, &Paired<D>)| {
-        let nodes = &pair.interface.nodes;
+    let look = |condition: &Condition<D>| {
+        let contact = condition.contact_of(model)?;
+        let nodes = &condition.interface.nodes;
         let carriers = nodes.iter().filter(|n| n.role == Role::Multiplier);
         let gaps: Vec<f64> = carriers.map(|n| n.clearance).collect();
-        let mesh = &model.bodies[pair.nonmortar.body.0].mesh;
+        let mesh = &model.bodies[condition.nonmortar.body.0].mesh;
         let alone = nodes.iter().filter(|n| n.role == Role::Alone);
         let negligible = ROUNDING * mesh.diameter();
         let real = |gap: &f64| if gap.abs() > negligible { *gap } else { 0.0 };
         let gaps: Vec<f64> = gaps.iter().map(real).collect();
         let deep = gaps.iter().filter(|gap| **gap < 0.0);
         let name = |side: &SideRef| format!("{}.{}", model.bodies[side.body.0].name, side.side);
-        ContactCheck {
+        Some(ContactCheck {
             name: contact.name.clone(),
             sides: [
-                name(&pair.nonmortar),
-                pair.mortar
+                name(&condition.nonmortar),
+                condition
+                    .mortar
                     .as_ref()
                     .map_or("rigid obstacle".to_string(), name),
             ],
@@ -74,10 +76,10 @@ pub(crate) fn check_contacts<const D: usize>(
             penetration: deep.fold(0.0, |largest, gap| f64::max(largest, -gap)),
             clearance: gaps.iter().copied().fold(f64::INFINITY, f64::min),
             given: matches!(contact.gap, Some(Gap::Given(_))),
-            facet: mean_facet(mesh, &pair.nonmortar.side),
-        }
+            facet: mean_facet(mesh, &condition.nonmortar.side),
+        })
     };
-    model.contacts.iter().zip(paired).map(look).collect()
+    conditions.iter().filter_map(look).collect()
 }
 
 /// What a run should say of bodies, too.
@@ -94,12 +96,15 @@ pub(crate) fn body_remarks<const D: usize>(stage: &Stage<'_, D>) -> Vec<String> 
 /// What a run should say of contacts, too, at the time of their gaps.
 pub(crate) fn contact_remarks<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
 ) -> Vec<String> {
-    let contacts = check_contacts(model, paired);
+    let contacts = check_contacts(model, conditions);
     let mut found = remarks(&contacts);
-    let pairs = model.contacts.iter().zip(paired);
-    found.extend(pairs.filter_map(|(contact, pair)| unlike(model, contact, pair)));
+    found.extend(
+        conditions
+            .iter()
+            .filter_map(|condition| unlike(model, condition.contact_of(model)?, condition)),
+    );
     found
 }
 
@@ -107,10 +112,10 @@ pub(crate) fn contact_remarks<const D: usize>(
 fn unlike<const D: usize>(
     model: &Model<D>,
     contact: &Contact<D>,
-    pair: &Paired<D>,
+    condition: &Condition<D>,
 ) -> Option<String> {
-    let own = &model.bodies[pair.nonmortar.body.0];
-    let other = &model.bodies[pair.mortar.as_ref()?.body.0];
+    let own = &model.bodies[condition.nonmortar.body.0];
+    let other = &model.bodies[condition.mortar.as_ref()?.body.0];
     (own.thickness != other.thickness).then(|| {
         format!(
             "contact \"{}\": body \"{}\" is {} thick and body \"{}\" {}: pressures and bounds of shear are over the thickness of the first, which carries the contact forces",

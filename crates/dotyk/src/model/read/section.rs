@@ -10,8 +10,8 @@ use crate::model::nouns::section::{Section, SectionError, SectionSolution, Stati
 use crate::model::nouns::solution::BodySolution;
 use crate::model::read::fields::support_forces;
 use crate::model::system::condense::Condensed;
+use crate::model::system::condition::{Source, row_ranges};
 use crate::model::system::displaced::Displaced;
-use crate::model::system::paired::{Kind, row_ranges};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
@@ -160,14 +160,14 @@ pub(crate) fn pushes<const D: usize>(
     displaced: &Displaced<D>,
     lambda: &[f64],
 ) -> BTreeMap<usize, Vec<Push<D>>> {
-    let paired = &condensed.paired;
-    let mut together = Groups::new(paired.len());
-    for (contact, pair) in paired.iter().enumerate() {
-        for sharer in &pair.sharers {
+    let conditions = &condensed.conditions;
+    let mut together = Groups::new(conditions.len());
+    for (contact, condition) in conditions.iter().enumerate() {
+        for sharer in &condition.touch.sharers {
             together.join(contact, sharer.at.0);
         }
     }
-    let first: Vec<usize> = (0..paired.len()).map(|k| together.first(k)).collect();
+    let first: Vec<usize> = (0..conditions.len()).map(|k| together.first(k)).collect();
     let of_body = |of: usize| -> Vec<Push<D>> {
         let (body, loaded) = (&model.bodies[of], &condensed.bodies[of]);
         let mut supports = vec![Push::default(); body.supports.len()];
@@ -178,13 +178,16 @@ pub(crate) fn pushes<const D: usize>(
             }
         }
         let mut others: BTreeMap<usize, Push<D>> = BTreeMap::new();
-        for (place, (rows, pair)) in row_ranges(paired).enumerate() {
-            if matches!(pair.kind, Kind::Bar(_)) {
+        for (place, (rows, condition)) in row_ranges(conditions).enumerate() {
+            if matches!(condition.source, Source::Bar(_)) {
                 continue;
             }
-            let forces = pair.forces(&lambda[rows]);
-            let sides = [Some(&pair.nonmortar), pair.mortar.as_ref()];
-            let own = pair.ends().zip(sides).filter(|((part, _), _)| *part == of);
+            let forces = condition.forces(&lambda[rows]);
+            let sides = [Some(&condition.nonmortar), condition.mortar.as_ref()];
+            let own = condition
+                .ends()
+                .zip(sides)
+                .filter(|((part, _), _)| *part == of);
             for ((_, rows), side) in own {
                 let Some(side) = side else { continue };
                 let push = others.entry(first[place]).or_default();

@@ -9,7 +9,7 @@ use crate::model::read::probe::{Site, sites};
 use crate::model::read::remarks::body_remarks;
 use crate::model::read::section::{Laid, lay_out};
 use crate::model::read::singular::Outlines;
-use crate::model::system::paired::Paired;
+use crate::model::system::condition::Condition;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
@@ -30,10 +30,10 @@ impl<const D: usize> View<D> {
     /// That of a model whose contacts are paired.
     ///
     /// Errors: a probe that has no place, a section that cannot be cut, with its name.
-    pub fn new(stage: &Stage<'_, D>, paired: &[Paired<D>]) -> Result<Self, Error<D>> {
+    pub fn new(stage: &Stage<'_, D>, conditions: &[Condition<D>]) -> Result<Self, Error<D>> {
         let model = stage.model.as_ref();
         Ok(Self {
-            sites: sites(model, paired)?,
+            sites: sites(model, conditions)?,
             laid: lay_out(model)?,
             remarks: body_remarks(stage),
             outlines: Outlines::default(),
@@ -44,12 +44,16 @@ impl<const D: usize> View<D> {
     /// That of a model with the same bodies and contacts, and other probes, sections or loads.
     ///
     /// Errors: as [`Self::new`].
-    pub fn of_same(self, stage: &Stage<'_, D>, paired: &[Paired<D>]) -> Result<Self, Error<D>> {
+    pub fn of_same(
+        self,
+        stage: &Stage<'_, D>,
+        conditions: &[Condition<D>],
+    ) -> Result<Self, Error<D>> {
         let (outlines, skins) = (self.outlines, self.skins);
         Ok(Self {
             outlines,
             skins,
-            ..Self::new(stage, paired)?
+            ..Self::new(stage, conditions)?
         })
     }
 

@@ -9,8 +9,8 @@ use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::SparseMatrix;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::{Body, Model};
+use crate::model::system::condition::{Condition, row_ranges};
 use crate::model::system::memory;
-use crate::model::system::paired::{Paired, row_ranges};
 use crate::model::system::parts::rigid_systems;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -107,13 +107,16 @@ pub(crate) fn systems<const D: usize>(
 /// Turns nodes that contact forces reach along one oblique direction alone into it: with one contact dof instead of D the boundary
 /// stiffness is D² times smaller. So it is on flat sides without friction, and, with forces node by node, on curved ones. In the
 /// plane, where contacts are short, nothing is gained.
-pub(crate) fn turn_to_forces<const D: usize>(systems: &mut [BodySystem<D>], paired: &[Paired<D>]) {
+pub(crate) fn turn_to_forces<const D: usize>(
+    systems: &mut [BodySystem<D>],
+    conditions: &[Condition<D>],
+) {
     if D == 2 {
         return;
     }
     let mut rows: Vec<Vec<&Row<D>>> = vec![Vec::new(); systems.len()];
-    for pair in paired {
-        for (body, more) in pair.ends() {
+    for condition in conditions {
+        for (body, more) in condition.ends() {
             // a rigid part is no body
             if let Some(rows) = rows.get_mut(body) {
                 rows.extend(more);
@@ -157,10 +160,10 @@ fn oblique_forces<const D: usize>(rows: &[&Row<D>]) -> impl Iterator<Item = (usi
 /// Collects the rows of B of every body.
 pub(crate) fn body_rows<const D: usize>(
     systems: &[BodySystem<D>],
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
 ) -> Vec<Arc<BodyRows>> {
     let mut triplets: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); systems.len()];
-    for (range, contact) in row_ranges(paired) {
+    for (range, contact) in row_ranges(conditions) {
         let start = range.start;
         for (body, rows) in contact.ends() {
             for (local, row) in rows.iter().enumerate() {

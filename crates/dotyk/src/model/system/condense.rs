@@ -23,14 +23,14 @@ use crate::model::system::bodies::{
     BodyRows, LoadedBody, body_rows, least_softness, systems, turn_to_forces,
 };
 use crate::model::system::compliance::{Assembled, compliance, is_assembled, pays};
+use crate::model::system::condition::{Condition, initial_gaps};
+use crate::model::system::conditions::all_conditions;
 use crate::model::system::domains::{coupled, whole};
 use crate::model::system::drive::{complete, driven};
 use crate::model::system::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::system::floating::Floating;
 use crate::model::system::joints::restore;
 use crate::model::system::memory::{self, Demand};
-use crate::model::system::pair::pair_all;
-use crate::model::system::paired::{Paired, initial_gaps};
 use crate::model::system::state::{AllYielded, State};
 use rayon::prelude::*;
 use std::mem::take;
@@ -69,7 +69,7 @@ pub(crate) struct Condensed<const D: usize> {
     pub bodies: Vec<LoadedBody<D>>,
     pub ordered: Vec<Arc<Ordered>>,
     pub factored: Vec<FactoredBody>,
-    pub paired: Vec<Paired<D>>,
+    pub conditions: Vec<Condition<D>>,
     pub gaps: Vec<f64>,
     pub floating: Floating,
     pub problem: DualProblem,
@@ -87,7 +87,7 @@ pub(crate) struct Condensed<const D: usize> {
 /// The bodies of a model at one time with their contacts paired, not yet condensed.
 pub(crate) struct Uncondensed<const D: usize> {
     systems: Vec<BodySystem<D>>,
-    pub paired: Vec<Paired<D>>,
+    pub conditions: Vec<Condition<D>>,
     gaps: Vec<f64>,
     dropped: Vec<String>,
     /// Nodes of each part that other stages touch.
@@ -128,17 +128,17 @@ pub(crate) fn assemble<const D: usize>(
         .unzip();
     let mut systems = systems(model, (before, state.histories()), time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
-    let mut paired = pair_all(stage, &constraints, time)?;
-    state.place(model, &mut paired)?;
+    let mut conditions = all_conditions(stage, &constraints, time)?;
+    state.place(model, &mut conditions)?;
     let lost = |name: &str| state.lost(name);
-    let dropped = complete(model, &mut systems, (&mut paired, &lost), time)?;
-    turn_to_forces(&mut systems[..model.bodies.len()], &paired);
+    let dropped = complete(model, &mut systems, (&mut conditions, &lost), time)?;
+    turn_to_forces(&mut systems[..model.bodies.len()], &conditions);
     seconds.assemble += lap.seconds();
     Ok(Uncondensed {
-        gaps: gaps_after(&paired, &state.slips(&paired)),
+        gaps: gaps_after(&conditions, &state.slips(&conditions)),
         lasting: state.lasting(stage, systems.len()),
         systems,
-        paired,
+        conditions,
         dropped,
         kept,
         seconds,
@@ -160,7 +160,7 @@ impl<const D: usize> Uncondensed<D> {
     ) -> Result<Condensed<D>, Error<D>> {
         let Self {
             systems,
-            paired,
+            conditions,
             gaps,
             dropped,
             mut seconds,
@@ -170,14 +170,14 @@ impl<const D: usize> Uncondensed<D> {
         } = self;
         let mut lap = Lap::start();
         observe(Event::Stage("order"));
-        let rows = body_rows(&systems, &paired);
+        let rows = body_rows(&systems, &conditions);
         let of_bodies = OfBodies {
             systems: &systems,
             rows: &rows,
             kept: &self.kept,
             lasting: &self.lasting,
         };
-        let (ordered, dense) = ordered(model, of_bodies, &paired, dense_limit)?;
+        let (ordered, dense) = ordered(model, of_bodies, &conditions, dense_limit)?;
         seconds.order += lap.seconds();
         observe(Event::Stage("factor"));
         let loaded = systems
@@ -193,24 +193,24 @@ impl<const D: usize> Uncondensed<D> {
         seconds.factor += lap.seconds();
         observe(Event::Stage("condense"));
         let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
-        let floating = Floating::new(model, &bodies, &paired)?;
+        let floating = Floating::new(model, &bodies, &conditions)?;
         let balance = floating.balance.clone();
-        let admissible = admissible_set(model, &paired, time)?;
+        let admissible = admissible_set(model, &conditions, time)?;
         let shift = overlap(&bodies, &factored, &gaps);
         let mut problem = DualProblem::new(compliance, shift, admissible, balance)
             .map_err(|error| Error::Solver(error.into()))?;
         let of_bodies = (&bodies[..], &factored[..]);
-        problem.coupled = coupled(model, of_bodies, (&paired, &floating), &problem.shift);
+        problem.coupled = coupled(model, of_bodies, (&conditions, &floating), &problem.shift);
         problem.scales = whole(&problem.coupled);
         problem.soften(least_softness(&bodies, gaps.len()));
-        problem.neighbours = neighbours(model, &paired);
+        problem.neighbours = neighbours(model, &conditions);
         problem.parts = parts;
         seconds.condense += lap.seconds();
         Ok(Condensed {
             bodies,
             ordered,
             factored,
-            paired,
+            conditions,
             gaps,
             floating,
             problem,
@@ -258,12 +258,12 @@ impl<const D: usize> OfBodies<'_, D> {
 fn ordered<const D: usize>(
     model: &Model<D>,
     of: OfBodies<'_, D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     dense_limit: usize,
 ) -> Result<(Vec<Arc<Ordered>>, bool), Error<D>> {
-    let m = paired.iter().map(|p| p.interface.nonmortar.len()).sum();
-    let rough = |p: &Paired<D>| p.slides().contains(&true);
-    let rough = paired.iter().any(rough);
+    let m = conditions.iter().map(|p| p.interface.nonmortar.len()).sum();
+    let rough = |p: &Condition<D>| p.slides().contains(&true);
+    let rough = conditions.iter().any(rough);
     let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
     let all = |dense| {
         let each = (0..of.systems.len()).into_par_iter();
@@ -321,7 +321,7 @@ pub(crate) fn advance<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<Condensed<D>, Error<D>> {
     let lost = |name: &str| state.lost(name);
-    restore(model, &mut here.paired, &lost);
+    restore(model, &mut here.conditions, &lost);
     carry(&mut here, state.yielded());
     (here.time, here.state) = (time, Arc::clone(&state));
     drive(model, &mut here, observe)?;
@@ -337,8 +337,8 @@ pub(crate) fn again<const D: usize>(
     lost: &[Vec<bool>],
     observe: &mut dyn FnMut(Event),
 ) -> Result<(), Error<D>> {
-    for (pair, lost) in here.paired.iter_mut().zip(lost) {
-        pair.lost.clone_from(lost);
+    for (condition, lost) in here.conditions.iter_mut().zip(lost) {
+        condition.touch.lost.clone_from(lost);
     }
     drive(model, here, observe)
 }
@@ -384,25 +384,26 @@ fn drive<const D: usize>(
 ) -> Result<(), Error<D>> {
     let (mut lap, time) = (Lap::start(), here.time);
     observe(Event::Stage("loads"));
-    let (bodies, paired) = (take(&mut here.bodies), take(&mut here.paired));
-    let (bodies, paired) = driven(model, bodies, paired, (time, here.part))?;
-    (here.bodies, here.paired) = (bodies, paired);
-    here.gaps = gaps_after(&here.paired, &here.state.slips(&here.paired));
+    let (bodies, conditions) = (take(&mut here.bodies), take(&mut here.conditions));
+    let (bodies, conditions) = driven(model, bodies, conditions, (time, here.part))?;
+    (here.bodies, here.conditions) = (bodies, conditions);
+    here.gaps = gaps_after(&here.conditions, &here.state.slips(&here.conditions));
     here.seconds.assemble += lap.seconds();
     observe(Event::Stage("condense"));
     here.factored = (&here.bodies, take(&mut here.factored))
         .into_par_iter()
         .map(|(body, factored)| FactoredBody::new(body, factored.factor))
         .collect();
-    here.floating.set_loads(model, &here.bodies, &here.paired)?;
+    here.floating
+        .set_loads(model, &here.bodies, &here.conditions)?;
     let (of_bodies, problem) = ((&here.bodies[..], &here.factored[..]), &mut here.problem);
-    problem.admissible = admissible_set(model, &here.paired, time)?;
+    problem.admissible = admissible_set(model, &here.conditions, time)?;
     problem.balance = here.floating.balance.clone();
     problem.shift = overlap(of_bodies.0, of_bodies.1, &here.gaps);
     problem
         .check()
         .map_err(|error| Error::Solver(error.into()))?;
-    let fitted = (&here.paired[..], &here.floating);
+    let fitted = (&here.conditions[..], &here.floating);
     problem.coupled = coupled(model, of_bodies, fitted, &problem.shift);
     problem.scales = whole(&problem.coupled);
     here.seconds.condense += lap.seconds();
@@ -444,8 +445,8 @@ fn factor_bodies<const D: usize>(
 }
 
 /// The gaps g₀ of a step that begins with a slip, (m,): friction counts the slip from there.
-fn gaps_after<const D: usize>(paired: &[Paired<D>], slip: &[f64]) -> Vec<f64> {
-    let gaps = initial_gaps(paired).into_iter().zip(slip);
+fn gaps_after<const D: usize>(conditions: &[Condition<D>], slip: &[f64]) -> Vec<f64> {
+    let gaps = initial_gaps(conditions).into_iter().zip(slip);
     gaps.map(|(gap, slip)| gap + slip).collect()
 }
 

@@ -16,7 +16,7 @@ use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
 use crate::linalg::{Mat, pivoted_cholesky};
 use crate::model::nouns::model::{Law, Model};
 use crate::model::system::bodies::LoadedBody;
-use crate::model::system::paired::{Kind, Paired, gap_varies, row_ranges};
+use crate::model::system::condition::{Condition, Source, gap_varies, row_ranges};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A row is dependent when less than this part of its square is its own.
@@ -41,19 +41,19 @@ const SAME_GAP: f64 = 1e-12;
 pub(crate) fn drop_implied<const D: usize>(
     model: &Model<D>,
     systems: &[BodySystem<D>],
-    paired: &mut [Paired<D>],
+    conditions: &mut [Condition<D>],
 ) -> Vec<String> {
     let refs: Vec<&BodySystem<D>> = systems.iter().collect();
-    let (places, rows) = suspects(&refs, paired);
-    let tied = |&(contact, _): &Place| paired[contact].interface.coupling == Coupling::Tied;
+    let (places, rows) = suspects(&refs, conditions);
+    let tied = |&(contact, _): &Place| conditions[contact].interface.coupling == Coupling::Tied;
     let equalities: Vec<usize> = (0..rows.len()).filter(|&i| tied(&places[i])).collect();
     let (basis, mut implied) = split(&rows, &equalities);
     // a slip that supports prescribe follows from them, but the law still tells its shear
-    let shears: Vec<Vec<bool>> = paired.iter().map(|p| p.slides()).collect();
+    let shears: Vec<Vec<bool>> = conditions.iter().map(|p| p.slides()).collect();
     let prescribed = |i: usize| rows[i].is_empty() && shears[places[i].0][places[i].1];
     let rest = (0..rows.len()).filter(|&i| !tied(&places[i]) && !prescribed(i));
     implied.extend(within(&rows, &basis, rest));
-    implied.extend(repeated(model, paired, &places, &rows));
+    implied.extend(repeated(model, conditions, &places, &rows));
     implied.sort_unstable();
     implied.dedup();
     let mut dropped: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
@@ -62,36 +62,36 @@ pub(crate) fn drop_implied<const D: usize>(
         dropped.entry(contact).or_default().push(row);
     }
     let drop = |(contact, rows): (usize, Vec<usize>)| {
-        let nodes = describe(model, &paired[contact], &rows);
-        let pair = &mut paired[contact];
-        pair.interface.drop_rows(&rows);
-        let undefined = match model.contacts.get(contact) {
+        let nodes = describe(model, &conditions[contact], &rows);
+        let condition = &mut conditions[contact];
+        condition.interface.drop_rows(&rows);
+        let undefined = match condition.contact() {
             Some(_) => "the pressure there is not defined",
             None => "how it shares its force with these is not unique",
         };
         format!(
             "{}: the condition of {nodes} follows from supports and other contacts; it is dropped, and {undefined}",
-            pair.called()
+            condition.called()
         )
     };
     dropped.into_iter().map(drop).collect()
 }
 
-/// A warning about forces λ (m,) of these bodies and pairs that are not unique, because those of several contacts at a node do the same; `gaps` (m,)
+/// A warning about forces λ (m,) of these bodies and conditions that are not unique, because those of several contacts at a node do the same; `gaps` (m,)
 /// tell which nodes slip.
 pub(crate) fn shared_forces<const D: usize>(
     model: &Model<D>,
-    (bodies, paired): (&[LoadedBody<D>], &[Paired<D>]),
+    (bodies, conditions): (&[LoadedBody<D>], &[Condition<D>]),
     problem: &DualProblem,
     lambda: &[f64],
     gaps: &[f64],
 ) -> Option<String> {
     let systems: Vec<&BodySystem<D>> = bodies.iter().map(|body| &body.system).collect();
-    let (places, rows) = suspects(&systems, paired);
+    let (places, rows) = suspects(&systems, conditions);
     if rows.is_empty() {
         return None;
     }
-    let starts: Vec<usize> = row_ranges(paired).map(|(rows, _)| rows.start).collect();
+    let starts: Vec<usize> = row_ranges(conditions).map(|(rows, _)| rows.start).collect();
     let row_of: BTreeMap<usize, usize> = (0..rows.len())
         .map(|i| (starts[places[i].0] + places[i].1, i))
         .collect();
@@ -149,22 +149,22 @@ pub(crate) fn shared_forces<const D: usize>(
     };
     Some(format!(
         "{}: at {} {bear}; how they share it is not unique",
-        paired[contact].called(),
-        describe(model, &paired[contact], &own)
+        conditions[contact].called(),
+        describe(model, &conditions[contact], &own)
     ))
 }
 
 /// Rows that may depend on others, with their places.
 fn suspects<const D: usize>(
     systems: &[&BodySystem<D>],
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
 ) -> (Vec<Place>, Vec<Sparse>) {
     let mut places = Vec::new();
     let mut rows = Vec::new();
-    for (contact, pair) in paired.iter().enumerate() {
-        for row in 0..pair.interface.nonmortar.len() {
+    for (contact, condition) in conditions.iter().enumerate() {
+        for row in 0..condition.interface.nonmortar.len() {
             places.push((contact, row));
-            rows.push(free_part(systems, pair, row));
+            rows.push(free_part(systems, condition, row));
         }
     }
     let suspects = without_own_dof(&rows);
@@ -175,9 +175,13 @@ fn suspects<const D: usize>(
         .unzip()
 }
 
-fn free_part<const D: usize>(systems: &[&BodySystem<D>], pair: &Paired<D>, row: usize) -> Sparse {
+fn free_part<const D: usize>(
+    systems: &[&BodySystem<D>],
+    condition: &Condition<D>,
+    row: usize,
+) -> Sparse {
     let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    for (body, rows) in pair.ends() {
+    for (body, rows) in condition.ends() {
         let in_frames = systems[body].row_in_frames(&rows[row]);
         for (dof, value) in in_frames.filter(|(dof, _)| !systems[body].held[*dof]) {
             *sums.entry((body, dof)).or_insert(0.0) += value;
@@ -302,14 +306,14 @@ fn within(rows: &[Sparse], basis: &[usize], some: impl Iterator<Item = usize>) -
 /// Rows of frictionless contacts that say the same as an earlier one at all times.
 fn repeated<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     places: &[Place],
     rows: &[Sparse],
 ) -> Vec<usize> {
-    let gaps: Vec<Vec<f64>> = paired.iter().map(Paired::gaps).collect();
+    let gaps: Vec<Vec<f64>> = conditions.iter().map(Condition::gaps).collect();
     let diameters: Vec<f64> = model.bodies.iter().map(|b| b.mesh.diameter()).collect();
     let lasting = |contact: usize| {
-        let contact = model.contacts.get(contact);
+        let contact = conditions[contact].contact_of(model);
         contact.is_some_and(|c| matches!(c.law, Law::Frictionless) && !gap_varies(c))
     };
     let mut alike: BTreeMap<Vec<(usize, usize)>, Vec<usize>> = BTreeMap::new();
@@ -321,7 +325,7 @@ fn repeated<const D: usize>(
         }
         let square = product(row, row);
         let gap = gaps[contact][own];
-        let size = diameters[paired[contact].nonmortar.body.0];
+        let size = diameters[conditions[contact].nonmortar.body.0];
         let same = |&other: &usize| {
             let factor = product(row, &rows[other]) / square;
             let rest = combine(&rows[other], -factor, row);
@@ -370,13 +374,13 @@ fn combine(a: &Sparse, factor: f64, b: &Sparse) -> Sparse {
 const NAMED: usize = 4;
 
 /// The nodes of some rows of a contact, in words.
-fn describe<const D: usize>(model: &Model<D>, pair: &Paired<D>, rows: &[usize]) -> String {
-    let body = &model.bodies[pair.nonmortar.body.0];
-    if pair.kind == Kind::Couple(CoupleKind::Average) {
-        return format!("side {}.{}", body.name, pair.nonmortar.side);
+fn describe<const D: usize>(model: &Model<D>, condition: &Condition<D>, rows: &[usize]) -> String {
+    let body = &model.bodies[condition.nonmortar.body.0];
+    if matches!(condition.source, Source::Couple(.., CoupleKind::Average)) {
+        return format!("side {}.{}", body.name, condition.nonmortar.side);
     }
     let rows: BTreeSet<usize> = rows.iter().copied().collect();
-    let nodes = pair.interface.nodes.iter();
+    let nodes = condition.interface.nodes.iter();
     let places: Vec<String> = nodes
         .filter(|node| node.rows.iter().flatten().any(|row| rows.contains(row)))
         .map(|node| format!("{} at {}", node.node, show(body.mesh.points()[node.node])))
@@ -390,6 +394,6 @@ fn describe<const D: usize>(model: &Model<D>, pair: &Paired<D>, rows: &[usize]) 
         "{word} {}{more} of {}.{}",
         places[..places.len().min(NAMED)].join(", "),
         body.name,
-        pair.nonmortar.side
+        condition.nonmortar.side
     )
 }

@@ -3,18 +3,15 @@
 use crate::contact::Moved;
 use crate::geometry::{Point, sub};
 use crate::model::nouns::ids::BodyId;
-use crate::model::nouns::model::Model;
-use crate::model::system::condense::Condensed;
-use crate::model::system::paired::{Fit, Paired, row_ranges};
+use crate::model::system::condition::{Condition, Fit};
 use crate::model::system::recover::BodyState;
 use std::borrow::Cow;
-use std::ops::Range;
 use std::sync::Arc;
 
 /// All bodies and rigid parts, displaced.
 pub(crate) struct Displaced<const D: usize> {
     pub states: Vec<BodyState<D>>,
-    /// Displacements of the nodes of the rigid parts.
+    /// Displacements of the nodes of the parts behind the bodies.
     pub parts: Vec<Vec<Point<D>>>,
     /// Gaps of all multipliers.
     pub gaps: Vec<f64>,
@@ -33,36 +30,39 @@ pub(crate) struct Displaced<const D: usize> {
     pub loose: bool,
 }
 
+impl<const D: usize> Displaced<D> {
+    /// Displacements of the nodes of a part.
+    pub fn nodes(&self, part: usize) -> &[Point<D>] {
+        match self.states.get(part) {
+            Some(body) => &body.u,
+            None => &self.parts[part - self.states.len()],
+        }
+    }
+}
+
 /// What each contact of a model moves with, counted from where its sides were fitted to each other.
 pub(crate) fn moved<'a, const D: usize>(
-    model: &Model<D>,
-    pair: &Paired<D>,
-    Displaced { states, parts, .. }: &'a Displaced<D>,
+    condition: &Condition<D>,
+    displaced: &'a Displaced<D>,
 ) -> Moved<'a, D> {
     let since = |body: BodyId, fitted: &Option<Arc<[Point<D>]>>| {
-        let now = &states[body.0].u[..];
+        let now = displaced.nodes(body.0);
         let Some(then) = fitted else {
             return Cow::Borrowed(now);
         };
         let both = now.iter().zip(then.iter());
         Cow::Owned(both.map(|(now, then)| sub(*now, *then)).collect())
     };
-    let Fit { own, other } = &pair.fit;
+    let Fit { own, other } = &condition.touch.fit;
     Moved {
-        own: since(pair.nonmortar.body, own),
-        other: pair.mortar.as_ref().map(|side| since(side.body, other)),
-        obstacle: match (&pair.mortar, pair.opposite) {
-            (None, Some(part)) => parts[part - model.bodies.len()][0],
-            _ => pair.obstacle_motion,
+        own: since(condition.nonmortar.body, own),
+        other: condition
+            .mortar
+            .as_ref()
+            .map(|side| since(side.body, other)),
+        obstacle: match (&condition.mortar, condition.opposite) {
+            (None, Some(part)) => displaced.nodes(part)[0],
+            _ => condition.touch.obstacle_motion,
         },
     }
-}
-
-/// The contacts among the pairs, with their places and rows: couples and links have no sides that could overlap.
-pub(crate) fn contact_rows<'a, const D: usize>(
-    model: &Model<D>,
-    condensed: &'a Condensed<D>,
-) -> impl Iterator<Item = (usize, (Range<usize>, &'a Paired<D>))> + use<'a, D> {
-    let contacts = row_ranges(&condensed.paired).take(model.contacts.len());
-    contacts.enumerate()
 }

@@ -4,16 +4,16 @@ use crate::dual::{Coupled, Scales};
 use crate::geometry::Groups;
 use crate::model::nouns::model::Model;
 use crate::model::system::bodies::{LoadedBody, largest_load};
+use crate::model::system::condition::{Condition, row_ranges};
 use crate::model::system::factor::FactoredBody;
 use crate::model::system::floating::Floating;
-use crate::model::system::paired::{Paired, row_ranges};
 
 /// The domain of every part: bodies, then what is rigid, then links. Numbered in the order of their first parts.
-pub(crate) fn domains<const D: usize>(paired: &[Paired<D>], parts: usize) -> Vec<usize> {
+pub(crate) fn domains<const D: usize>(conditions: &[Condition<D>], parts: usize) -> Vec<usize> {
     let mut groups = Groups::new(parts);
-    for pair in paired {
-        for (part, _) in pair.ends() {
-            groups.join(pair.nonmortar.body.0, part);
+    for condition in conditions {
+        for (part, _) in condition.ends() {
+            groups.join(condition.nonmortar.body.0, part);
         }
     }
     let firsts: Vec<usize> = (0..parts).map(|part| groups.first(part)).collect();
@@ -33,10 +33,10 @@ pub(crate) fn domains<const D: usize>(paired: &[Paired<D>], parts: usize) -> Vec
 pub(crate) fn coupled<const D: usize>(
     model: &Model<D>,
     (bodies, factored): (&[LoadedBody<D>], &[FactoredBody]),
-    (paired, floating): (&[Paired<D>], &Floating),
+    (conditions, floating): (&[Condition<D>], &Floating),
     shift: &[f64],
 ) -> Coupled {
-    let of_parts = domains(paired, bodies.len());
+    let of_parts = domains(conditions, bodies.len());
     let count = of_parts.iter().max().map_or(0, |last| last + 1);
     let mut scales = vec![Scales::default(); count];
     for (part, (body, factored)) in bodies.iter().zip(factored).enumerate() {
@@ -50,12 +50,12 @@ pub(crate) fn coupled<const D: usize>(
             own.moment_arm = own.moment_arm.max(body.mesh.diameter());
         }
     }
-    let domain: Vec<usize> = paired
+    let domain: Vec<usize> = conditions
         .iter()
-        .map(|pair| of_parts[pair.nonmortar.body.0])
+        .map(|condition| of_parts[condition.nonmortar.body.0])
         .collect();
     let mut contact = vec![0; shift.len()];
-    for (index, (rows, _)) in row_ranges(paired).enumerate() {
+    for (index, (rows, _)) in row_ranges(conditions).enumerate() {
         for row in rows {
             contact[row] = index;
             let own = &mut scales[domain[index]];

@@ -1,26 +1,26 @@
-//! What drives bodies and pairs at a time: loads, prescribed values, gaps, and what joints and bars do besides the forces of their rows.
+//! What drives bodies and conditions at a time: loads, prescribed values, gaps, and what joints and bars do besides the forces of their rows.
 
 use crate::fem::{BodySystem, Constraints, Part};
 use crate::geometry::norm;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::bodies::LoadedBody;
+use crate::model::system::condition::Condition;
+use crate::model::system::conditions::take_gaps;
 use crate::model::system::dependent::drop_implied;
 use crate::model::system::joints::{Losses, restore, set_offsets};
-use crate::model::system::pair::gaps_at;
-use crate::model::system::paired::Paired;
 use crate::model::system::parts::rigid_systems;
 use crate::model::system::shared::share_nodes;
 use rayon::prelude::*;
 
-/// Bodies and pairs with the loads, prescribed displacements and gaps of another time; where `part` is given with those of bodies on the
+/// Bodies and conditions with the loads, prescribed displacements and gaps of another time; where `part` is given with those of bodies on the
 /// way there. Gaps and prestress are those of the time.
 pub(crate) fn driven<const D: usize>(
     model: &Model<D>,
     bodies: Vec<LoadedBody<D>>,
-    mut paired: Vec<Paired<D>>,
+    mut conditions: Vec<Condition<D>>,
     (time, part): (f64, Option<Part>),
-) -> Result<(Vec<LoadedBody<D>>, Vec<Paired<D>>), Error<D>> {
+) -> Result<(Vec<LoadedBody<D>>, Vec<Condition<D>>), Error<D>> {
     let mut rigid = bodies;
     let bodies = rigid.drain(..model.bodies.len()).collect::<Vec<_>>();
     let (mut systems, mut rows): (Vec<_>, Vec<_>) = (&model.bodies, bodies)
@@ -45,14 +45,14 @@ pub(crate) fn driven<const D: usize>(
     let links = rigid.split_off(of_rigid.len());
     systems.extend(of_rigid);
     rows.extend(rigid.into_iter().map(|part| part.rows));
-    set_offsets(model, &mut paired, time)?;
-    add_offsets(&mut systems, &paired);
+    set_offsets(model, &mut conditions, time)?;
+    add_offsets(&mut systems, &conditions);
     let loaded = systems.into_par_iter().zip(rows);
     let mut bodies: Vec<LoadedBody<D>> = loaded.map(|(s, r)| LoadedBody::new(s, r)).collect();
     bodies.extend(links);
     let constraints: Vec<&Constraints<D>> = bodies.iter().map(|b| &b.system.constraints).collect();
-    let paired = gaps_at(model, &constraints, paired, time)?;
-    Ok((bodies, paired))
+    take_gaps(model, &constraints, &mut conditions, time)?;
+    Ok((bodies, conditions))
 }
 
 /// Completes the systems of bodies and rigid parts by those of links, gives nodes that contacts have in common one multiplier, drops
@@ -63,42 +63,47 @@ pub(crate) fn driven<const D: usize>(
 pub(crate) fn complete<const D: usize>(
     model: &Model<D>,
     systems: &mut Vec<BodySystem<D>>,
-    (paired, before): (&mut [Paired<D>], &Losses<'_>),
+    (conditions, before): (&mut [Condition<D>], &Losses<'_>),
     time: f64,
 ) -> Result<Vec<String>, Error<D>> {
-    systems.extend(link_systems(paired));
-    restore(model, paired, before);
-    share_nodes(model, systems, paired);
-    let dropped = drop_implied(model, systems, paired);
-    set_offsets(model, paired, time)?;
-    add_offsets(systems, paired);
+    systems.extend(link_systems(conditions));
+    restore(model, conditions, before);
+    share_nodes(model, systems, conditions);
+    let dropped = drop_implied(model, systems, conditions);
+    set_offsets(model, conditions, time)?;
+    add_offsets(systems, conditions);
     Ok(dropped)
 }
 
 /// The parts of all links.
-fn link_systems<const D: usize>(paired: &[Paired<D>]) -> Vec<BodySystem<D>> {
-    let links = paired.iter().filter(|pair| pair.is_link());
+fn link_systems<const D: usize>(conditions: &[Condition<D>]) -> Vec<BodySystem<D>> {
+    let links = conditions
+        .iter()
+        .filter_map(|condition| condition.elastic.as_ref());
     links
-        .map(|pair| BodySystem::elastic(&pair.link.stiffness, &pair.link.load))
+        .map(|part| BodySystem::elastic(&part.stiffness, &part.load))
         .collect()
 }
 
 /// Adds to the loads what contacts and links do besides the forces of their rows. Of all systems, or, where links keep theirs, of
 /// those before them.
-pub(crate) fn add_offsets<const D: usize>(systems: &mut [BodySystem<D>], paired: &[Paired<D>]) {
-    for pair in paired {
-        for &(body, node, force) in &pair.link.steady {
+pub(crate) fn add_offsets<const D: usize>(
+    systems: &mut [BodySystem<D>],
+    conditions: &[Condition<D>],
+) {
+    for condition in conditions {
+        for &(body, node, force) in &condition.steady {
             let system = &mut systems[body];
             system.add_force(&[(node, force)], 1.0);
             system.largest_load = system.largest_load.max(norm(force));
         }
-        for (part, rows) in pair.ends() {
+        for (part, rows) in condition.ends() {
             let Some(system) = systems.get_mut(part) else {
                 continue;
             };
             for (row, &offset) in rows
                 .iter()
-                .zip(&pair.offset)
+                .zip(&condition.offset)
                 .filter(|(_, offset)| **offset != 0.0)
             {
                 system.add_force(row, -offset);

@@ -16,8 +16,8 @@ use crate::model::nouns::error::{Error, NotHeld};
 use crate::model::nouns::model::Model;
 use crate::model::nouns::told::named;
 use crate::model::system::bodies::{LoadedBody, load_size};
-use crate::model::system::paired::{Paired, clearances, row_ranges};
-use crate::model::system::parts::{first_point, part_name, part_points};
+use crate::model::system::condition::{Condition, clearances, row_ranges};
+use crate::model::system::parts::{Parts, part_name, part_points};
 use crate::model::system::reach::hold_between_nodes;
 use std::collections::BTreeSet;
 
@@ -38,16 +38,16 @@ pub(crate) struct Floating {
 }
 
 impl Floating {
-    /// Sets up G and e for these pairs. Errors: as [`Self::set_loads`].
+    /// Sets up G and e for these conditions. Errors: as [`Self::set_loads`].
     pub fn new<const D: usize>(
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
-        paired: &[Paired<D>],
+        conditions: &[Condition<D>],
     ) -> Result<Self, Error<D>> {
-        let gaps = clearances(paired);
+        let gaps = clearances(conditions);
         let m = gaps.len();
-        let mut ranges = row_ranges(paired);
-        let links = ranges.find(|(_, pair)| pair.is_link());
+        let mut ranges = row_ranges(conditions);
+        let links = ranges.find(|(_, condition)| condition.elastic.is_some());
         let links = links.map_or(m, |(rows, _)| rows.start);
         let modes: Vec<(usize, usize)> = bodies
             .iter()
@@ -102,7 +102,7 @@ impl Floating {
             balance,
             warnings: Vec::new(),
         };
-        unloaded.set_loads(model, bodies, paired)?;
+        unloaded.set_loads(model, bodies, conditions)?;
         Ok(unloaded)
     }
 
@@ -112,9 +112,9 @@ impl Floating {
         &mut self,
         model: &Model<D>,
         bodies: &[LoadedBody<D>],
-        paired: &[Paired<D>],
+        conditions: &[Condition<D>],
     ) -> Result<(), Error<D>> {
-        reachable(model, bodies, &self.modes, &clearances(paired))?;
+        reachable(model, bodies, &self.modes, &clearances(conditions))?;
         let e = self.works(bodies);
         self.warnings.clear();
         let sizes: Vec<f64> = bodies.iter().map(load_size).collect();
@@ -205,7 +205,7 @@ impl Floating {
     pub fn pulled_away<const D: usize>(
         &self,
         model: &Model<D>,
-        (bodies, paired): (&[LoadedBody<D>], &[Paired<D>]),
+        (bodies, conditions): (&[LoadedBody<D>], &[Condition<D>]),
         admissible: &AdmissibleSet,
         direction: &[f64],
     ) -> Error<D> {
@@ -213,7 +213,7 @@ impl Floating {
         let body = names.into_iter().next().unwrap_or_default();
         let balance = (&self.modes[..], &self.all[..], self.works(bodies));
         let z = self.amplitudes(direction);
-        if let Some(contacts) = hold_between_nodes(bodies, paired, admissible, balance, &z) {
+        if let Some(contacts) = hold_between_nodes(bodies, conditions, admissible, balance, &z) {
             let contacts = named(contacts.into_iter());
             return Error::OutOfReach {
                 body,
@@ -240,9 +240,9 @@ impl Floating {
         });
         let largest = z.iter().fold(0.0, |s: f64, z| s.max(z.abs()));
         // points of couples go with their bodies, and are not bodies themselves
-        let points = first_point(model);
-        let parts = self.modes.iter().map(|mode| mode.0);
-        let mut others: Vec<usize> = parts.filter(|part| *part < points).collect();
+        let parts = Parts::of(model);
+        let others = self.modes.iter().map(|mode| mode.0);
+        let mut others: Vec<usize> = others.filter(|part| parts.owner(*part).is_free()).collect();
         others.dedup();
         let moves = |part: &usize| {
             let own = self
@@ -333,8 +333,8 @@ fn moments<const D: usize>(
 
 /// The part that a combination of modes moves most; points of couples only move with their bodies.
 fn main_body<const D: usize>(model: &Model<D>, modes: &[(usize, usize)], z: &[f64]) -> usize {
-    let points = first_point(model);
-    let own = (0..z.len()).filter(|&k| modes[k].0 < points);
+    let parts = Parts::of(model);
+    let own = (0..z.len()).filter(|&k| parts.owner(modes[k].0).is_free());
     let largest = own.max_by(|&a, &b| z[a].abs().total_cmp(&z[b].abs()).then(b.cmp(&a)));
     largest.map_or(0, |k| modes[k].0)
 }

@@ -21,7 +21,7 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Contact, Law, Model};
 use crate::model::system::admissible::prepare_law;
-use crate::model::system::paired::Paired;
+use crate::model::system::condition::Condition;
 
 /// A gap above this part of what its node stands for is one.
 const GAP: f64 = 1e-9;
@@ -29,10 +29,11 @@ const GAP: f64 = 1e-9;
 /// The joints of a model with their interfaces.
 pub(crate) fn joints<'a, const D: usize>(
     model: &'a Model<D>,
-    paired: &'a [Paired<D>],
-) -> impl Iterator<Item = (usize, &'a Contact<D>, &'a Paired<D>)> {
-    let contacts = model.contacts.iter().zip(paired).enumerate();
-    let contacts = contacts.map(|(index, (contact, pair))| (index, contact, pair));
+    conditions: &'a [Condition<D>],
+) -> impl Iterator<Item = (usize, &'a Contact<D>, &'a Condition<D>)> {
+    let contacts = conditions.iter().enumerate();
+    let contacts = contacts
+        .filter_map(|(index, condition)| Some((index, condition.contact_of(model)?, condition)));
     contacts.filter(|(_, contact, _)| matches!(contact.law, Law::Cohesive { .. }))
 }
 
@@ -47,27 +48,27 @@ pub(crate) struct Lost {
 
 impl Lost {
     /// Of a contact after a step.
-    pub fn of<const D: usize>(pair: &Paired<D>, lost: &[bool]) -> Self {
-        let nodes = pair.interface.nodes.iter().zip(lost);
+    pub fn of<const D: usize>(condition: &Condition<D>, lost: &[bool]) -> Self {
+        let nodes = condition.interface.nodes.iter().zip(lost);
         let nodes = nodes.map(|(node, &lost)| {
             let known = lost || node.rows[0].is_some();
             (node.node, known.then_some(lost))
         });
         Self {
-            side: carrying(pair),
+            side: carrying(condition),
             nodes: nodes.collect(),
         }
     }
 
     /// What is known of the nodes of the same contact now; supports may have left its multipliers to its other side, whose nodes do
     /// what those nearest to them did.
-    fn at<const D: usize>(&self, model: &Model<D>, pair: &Paired<D>) -> Vec<Option<bool>> {
-        let nodes = &pair.interface.nodes;
-        let (true, other) = (self.side != carrying(pair), &pair.mortar) else {
+    fn at<const D: usize>(&self, model: &Model<D>, condition: &Condition<D>) -> Vec<Option<bool>> {
+        let nodes = &condition.interface.nodes;
+        let (true, other) = (self.side != carrying(condition), &condition.mortar) else {
             return self.nodes.iter().map(|(_, lost)| *lost).collect();
         };
         let points = |side: &SideRef| model.bodies[side.body.0].mesh.points();
-        let (now, then) = (points(&pair.nonmortar), other.as_ref().map(points));
+        let (now, then) = (points(&condition.nonmortar), other.as_ref().map(points));
         let nearest = |node: &InterfaceNode<D>| {
             let then = then?;
             let far = |(other, _): &&(usize, Option<bool>)| distance(now[node.node], then[*other]);
@@ -82,26 +83,29 @@ impl Lost {
 pub(crate) type Losses<'a> = dyn Fn(&str) -> Option<&'a Lost> + 'a;
 
 /// Which side carries the multipliers of a contact: bodies keep their order from stage to stage.
-fn carrying<const D: usize>(pair: &Paired<D>) -> (String, bool) {
-    let own = &pair.nonmortar;
-    let first = pair.mortar.as_ref();
+fn carrying<const D: usize>(condition: &Condition<D>) -> (String, bool) {
+    let own = &condition.nonmortar;
+    let first = condition.mortar.as_ref();
     let first = first.is_none_or(|other| own.body.0 <= other.body.0);
     (own.side.clone(), first)
 }
 
 /// Which nodes are lost from the beginning, by contact: those whose sides are apart.
-pub(crate) fn whole<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> Vec<Vec<bool>> {
-    let mut lost = vec![Vec::new(); paired.len()];
-    for (index, _, pair) in joints(model, paired) {
+pub(crate) fn whole<const D: usize>(
+    model: &Model<D>,
+    conditions: &[Condition<D>],
+) -> Vec<Vec<bool>> {
+    let mut lost = vec![Vec::new(); conditions.len()];
+    for (index, _, condition) in joints(model, conditions) {
         let apart = |node: &InterfaceNode<D>| {
             let (moved, known) = node.rows[0].map_or((0.0, 0.0), |row| {
-                let [own, other] = [&pair.interface.nonmortar, &pair.interface.mortar];
-                let parts = pair.began.magnitude(&own[row], &other[row]);
-                (pair.moved_before(row), model.solver.tolerance * parts)
+                let [own, other] = [&condition.interface.nonmortar, &condition.interface.mortar];
+                let parts = condition.touch.began.magnitude(&own[row], &other[row]);
+                (condition.moved_before(row), model.solver.tolerance * parts)
             });
             node.gap - moved > GAP * node.extent.abs() + known
         };
-        lost[index] = pair.interface.nodes.iter().map(apart).collect();
+        lost[index] = condition.interface.nodes.iter().map(apart).collect();
     }
     lost
 }
@@ -109,16 +113,16 @@ pub(crate) fn whole<const D: usize>(model: &Model<D>, paired: &[Paired<D>]) -> V
 /// Tells the interfaces what was lost before, by the names of contacts.
 pub(crate) fn restore<const D: usize>(
     model: &Model<D>,
-    paired: &mut [Paired<D>],
+    conditions: &mut [Condition<D>],
     before: &Losses<'_>,
 ) {
-    let new = whole(model, paired);
-    for (pair, mut new) in paired.iter_mut().zip(new) {
-        let known = before(&pair.name).map(|lost| lost.at(model, pair));
+    let new = whole(model, conditions);
+    for (condition, mut new) in conditions.iter_mut().zip(new) {
+        let known = before(&condition.name).map(|lost| lost.at(model, condition));
         for (lost, known) in new.iter_mut().zip(known.into_iter().flatten()) {
             *lost = known.unwrap_or(*lost);
         }
-        pair.lost = new;
+        condition.touch.lost = new;
     }
 }
 
@@ -127,18 +131,21 @@ pub(crate) fn restore<const D: usize>(
 /// Errors: a strength that is negative, not finite, or more than cohesion over coefficient.
 pub(crate) fn set_offsets<const D: usize>(
     model: &Model<D>,
-    paired: &mut [Paired<D>],
+    conditions: &mut [Condition<D>],
     time: f64,
 ) -> Result<(), Error<D>> {
-    for (contact, pair) in model.contacts.iter().zip(paired) {
-        let Some(tension) = contact.law.tension() else {
-            pair.offset.clear();
+    for condition in conditions {
+        let Some(contact) = condition.contact_of(model) else {
             continue;
         };
-        pair.offset = vec![0.0; pair.interface.nonmortar.len()];
-        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
-        prepare_law(contact, pair, points, time);
-        for (node, lost) in pair.interface.nodes.iter().zip(&pair.lost) {
+        let Some(tension) = contact.law.tension() else {
+            condition.offset.clear();
+            continue;
+        };
+        condition.offset = vec![0.0; condition.interface.nonmortar.len()];
+        let points = model.bodies[condition.nonmortar.body.0].mesh.points();
+        prepare_law(contact, condition, points, time);
+        for (node, lost) in condition.interface.nodes.iter().zip(&condition.touch.lost) {
             let (Some(row), false) = (node.rows[0], lost) else {
                 continue;
             };
@@ -149,7 +156,7 @@ pub(crate) fn set_offsets<const D: usize>(
                 return Err(Error::Contact {
                     contact: contact.name.clone(),
                     source: ContactError::Tension {
-                        side: pair.nonmortar.side.clone(),
+                        side: condition.nonmortar.side.clone(),
                         text: tension.to_string(),
                         point: show(at),
                         value,
@@ -157,7 +164,7 @@ pub(crate) fn set_offsets<const D: usize>(
                     },
                 });
             }
-            pair.offset[row] = -value * node.weight;
+            condition.offset[row] = -value * node.weight;
         }
     }
     Ok(())

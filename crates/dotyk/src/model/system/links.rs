@@ -38,26 +38,7 @@ use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
 use crate::model::system::bars::{Anchor, LaidBar, lay_bars};
 use crate::model::system::bodies::LoadedBody;
-use crate::model::system::paired::{Kind, Link, Paired, row_ranges};
-use crate::model::system::parts::{beds, first_link};
-
-/// Pairs all links of a model.
-///
-/// Errors: sides that cannot be paired; bars that cannot be laid.
-pub(crate) fn pair_links<const D: usize>(stage: &Stage<'_, D>) -> Result<Vec<Paired<D>>, Error<D>> {
-    let model = stage.model.as_ref();
-    let parts = first_link(model)..;
-    let mut paired = Vec::new();
-    for (part, bed) in parts.clone().zip(beds(model)) {
-        paired.push(pair_bed(model, bed, part)?);
-    }
-    let laid = lay_bars(model)?;
-    let parts = parts.skip(paired.len());
-    let bars = parts.zip(laid.iter().enumerate());
-    let bars = bars.map(|(part, (place, laid))| pair_bar(stage, (place, laid), part));
-    paired.extend(bars);
-    Ok(paired)
-}
+use crate::model::system::condition::{Condition, Elastic, Source, row_ranges};
 
 /// The unit vector of a dof of a part.
 fn axis<const D: usize>(i: usize) -> Point<D> {
@@ -69,17 +50,20 @@ fn less<const D: usize>(node: usize, dof: usize) -> Row<D> {
     vec![(node, axis::<D>(dof).map(|c| -c))]
 }
 
-fn pair_bed<const D: usize>(
+/// The condition of a bed, by its body and which of its springs it is, and its part.
+///
+/// Errors: a side that has no points of integration.
+pub(crate) fn bedded<const D: usize>(
     model: &Model<D>,
-    (index, place): (usize, usize),
+    (of, place): (usize, usize),
     part: usize,
-) -> Result<Paired<D>, Error<D>> {
-    let body = &model.bodies[index];
+) -> Result<Condition<D>, Error<D>> {
+    let body = &model.bodies[of];
     let (side, stiffness) = body.springs[place].presses().unwrap_or_default();
     let pads = pads(body, side, model.analysis);
     let pads = pads.map_err(|source| Error::in_body(body, source))?;
     let mut interface = Interface::empty(Coupling::Normal);
-    let mut link = Link::default();
+    let mut elastic = Elastic::default();
     for (row, pad) in pads.into_iter().enumerate() {
         let along = |n: f64| pad.normal.map(|c| n * c);
         let own: Row<D> = pad.nodes.iter().map(|&(k, n)| (k, along(n))).collect();
@@ -89,36 +73,45 @@ fn pair_bed<const D: usize>(
             frame: frame(pad.normal, &[]),
             weight: pad.area,
             extent: pad.extent,
-            ..carrier(row, 1)
+            ..carrier(row)
         });
         interface.nonmortar.push(own);
         interface.mortar.push(less(row, 0));
-        link.came_with.push(0.0);
-        link.stiffness
+        elastic
+            .stiffness
             .push(axis::<D>(0).map(|c| c * stiffness * pad.area));
-        link.load.push([0.0; D]);
+        elastic.load.push([0.0; D]);
     }
     let name = format!("spring of {}.{side}", body.name);
     let nonmortar = SideRef {
-        body: BodyId(index),
+        body: BodyId(of),
         side: side.to_string(),
     };
-    let kind = (Kind::Bed(place), name);
-    Ok(linked(kind, (nonmortar, part), interface, link))
+    Ok(Condition {
+        law: Some(Block::Unilateral),
+        ..linked(
+            (Source::Bed(of, place), name),
+            (nonmortar, part),
+            interface,
+            elastic,
+        )
+    })
 }
 
 /// A link between a body, or a side of it, and a part of its own.
 fn linked<const D: usize>(
-    (kind, name): (Kind, String),
+    (source, name): (Source, String),
     (nonmortar, part): (SideRef, usize),
     interface: Interface<D>,
-    link: Link<D>,
-) -> Paired<D> {
-    Paired {
+    elastic: Elastic<D>,
+) -> Condition<D> {
+    let nothing = vec![0.0; interface.nonmortar.len()];
+    Condition {
         opposite: Some(part),
-        offset: vec![0.0; interface.nonmortar.len()],
-        link,
-        ..Paired::new(kind, name, nonmortar, interface)
+        offset: nothing.clone(),
+        came_with: nothing,
+        elastic: Some(elastic),
+        ..Condition::new(source, name, nonmortar, interface)
     }
 }
 
@@ -163,39 +156,34 @@ fn rows_on<const D: usize>(laid: &LaidBar<D>, body: usize) -> Vec<Row<D>> {
     laid.elements().map(row).collect()
 }
 
-fn pair_bar<const D: usize>(
+/// The condition of a bar, by its place, where it lies, and its part.
+pub(crate) fn barred<const D: usize>(
     stage: &Stage<'_, D>,
     (place, laid): (usize, &LaidBar<D>),
     part: usize,
-) -> Paired<D> {
+) -> Condition<D> {
     let (bar, tightening) = (&stage.model.bars[place], stage.tightening[place]);
     let mut bodies: Vec<usize> = laid.anchors.iter().map(|anchor| anchor.body).collect();
     bodies.sort_unstable();
     bodies.dedup();
-    let lengths: Vec<f64> = laid
-        .elements()
-        .map(|[from, to]| laid.length_to(to.point) - laid.length_to(from.point))
-        .collect();
     let prestress = laid.count * bar.prestress.unwrap_or(0.0);
-    let mut link = Link {
-        count: laid.count,
-        yields: bar.yields.is_some(),
-        ..Link::default()
-    };
-    for length in &lengths {
+    let mut elastic = Elastic::default();
+    for [from, to] in laid.elements() {
+        let length = laid.length_to(to.point) - laid.length_to(from.point);
         let k = laid.count * bar.young * bar.area / length;
-        link.stiffness.push(axis::<D>(0).map(|c| c * k));
-        link.load.push(axis::<D>(0).map(|c| -c * prestress));
+        elastic.stiffness.push(axis::<D>(0).map(|c| c * k));
+        elastic.load.push(axis::<D>(0).map(|c| -c * prestress));
     }
     let mut of_bodies: Vec<(usize, Vec<Row<D>>)> = bodies
         .iter()
         .map(|&body| (body, rows_on(laid, body)))
         .collect();
+    let mut steady = Vec::new();
     if tightening {
         for (body, rows) in &of_bodies {
             let pulls = rows.iter().flatten();
             let pulls = pulls.map(|&(node, c)| (*body, node, c.map(|c| -prestress * c)));
-            link.steady.extend(pulls);
+            steady.extend(pulls);
         }
         of_bodies.iter_mut().for_each(|(_, rows)| rows.clear());
     }
@@ -206,34 +194,36 @@ fn pair_bar<const D: usize>(
     });
     let mut of_bodies = of_bodies.into_iter();
     let (body, rows) = of_bodies.next().unwrap_or_default();
+    let mut places = Vec::new();
     for (row, (element, [from, to])) in rows.iter().zip(laid.elements().enumerate()) {
         let most = row.iter().max_by(|a, b| norm(a.1).total_cmp(&norm(b.1)));
         interface.nodes.push(InterfaceNode {
             node: most.map_or(0, |&(node, _)| node),
             frame: frame(laid.along, &[]),
-            ..carrier(element, 1)
+            ..carrier(element)
         });
         interface.mortar.push(less(element, 0));
-        link.places
-            .push(add_scaled(from.point.map(|c| 0.5 * c), 0.5, to.point));
+        places.push(add_scaled(from.point.map(|c| 0.5 * c), 0.5, to.point));
     }
-    let offset = vec![offset; rows.len()];
-    link.came_with = vec![0.0; rows.len()];
     interface.nonmortar = rows;
-    link.further = of_bodies.collect();
     let end = SideRef {
         body: BodyId(body),
         side: String::new(),
     };
-    let kind = (Kind::Bar(place), bar.name.clone());
-    Paired {
+    let offset = vec![offset; interface.nonmortar.len()];
+    let source = (Source::Bar(place), bar.name.clone());
+    Condition {
+        law: Some(block),
         offset,
-        ..linked(kind, (end, part), interface, link)
+        further: of_bodies.collect(),
+        steady,
+        places,
+        ..linked(source, (end, part), interface, elastic)
     }
 }
 
-/// What carries some rows one after the other, in no place of a side.
-fn carrier<const D: usize>(first: usize, count: usize) -> InterfaceNode<D> {
+/// What carries a row, in no place of a side.
+fn carrier<const D: usize>(row: usize) -> InterfaceNode<D> {
     InterfaceNode {
         node: 0,
         opposite: Vec::new(),
@@ -245,7 +235,7 @@ fn carrier<const D: usize>(first: usize, count: usize) -> InterfaceNode<D> {
         clearance: 0.0,
         shares: GapShares::default(),
         role: Role::Multiplier,
-        rows: std::array::from_fn(|k| (k < count).then_some(first + k)),
+        rows: std::array::from_fn(|k| (k == 0).then_some(row)),
     }
 }
 
@@ -281,17 +271,17 @@ pub(crate) fn part_balance<const D: usize>(
 /// Errors: bars that cannot be laid.
 pub(crate) fn bar_solutions<const D: usize>(
     stage: &Stage<'_, D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     lambda: &[f64],
 ) -> Result<Vec<BarSolution<D>>, Error<D>> {
     let model = stage.model.as_ref();
     let laid = lay_bars(model)?;
-    let solved = row_ranges(paired).filter_map(|(rows, pair)| {
-        let Kind::Bar(place) = pair.kind else {
+    let solved = row_ranges(conditions).filter_map(|(rows, condition)| {
+        let Source::Bar(place) = condition.source else {
             return None;
         };
         let (bar, laid) = (&model.bars[place], &laid[place]);
-        let forces = pair.forces(&lambda[rows]);
+        let forces = condition.forces(&lambda[rows]);
         let along: Vec<f64> = forces.iter().map(|force| force / laid.count).collect();
         let stations = laid.elements().enumerate().map(|(element, [from, to])| {
             let middle = add_scaled(from.point.map(|c| 0.5 * c), 0.5, to.point);

@@ -1,6 +1,6 @@
-//! Parts of a model: its bodies, and behind them what is rigid and moves, as bodies with K⁺ = 0 whose components are modes where
-//! nothing holds them: the obstacles that are free to translate, in the order of the contacts, then the reference points of
-//! couples, in the order of the bodies. Behind these stand the elastic parts of links (`links.rs`).
+//! Parts: who moves, each once and in one order. Behind the bodies stand those that are rigid, as bodies with K⁺ = 0 whose
+//! components are modes where nothing holds them: obstacles that are free to translate, and the points of couples. The last are the
+//! elastic parts of beds and bars (`links.rs`).
 
 use crate::fem::{BodySystem, Couple};
 use crate::geometry::{Field, Point};
@@ -9,41 +9,112 @@ use crate::model::nouns::model::{Analysis, Body, Contact, Model, Motion, Pair};
 
 use std::borrow::Cow;
 
-/// Contacts whose obstacle is free, with its force.
-fn free_obstacles<const D: usize>(
-    model: &Model<D>,
-) -> impl Iterator<Item = (&Contact<D>, &[Field; D])> {
-    model.contacts.iter().filter_map(|contact| {
-        let Pair::Obstacle { obstacle, .. } = &contact.pair else {
-            return None;
-        };
-        match &obstacle.motion {
-            Motion::Loaded(force) => Some((contact, force)),
-            Motion::Prescribed(_) => None,
+/// Whose a part is, by places in the model. Their order is that of the parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Owner {
+    /// A body.
+    Body(usize),
+    /// The obstacle of a contact, where it is free.
+    Obstacle(usize),
+    /// The point of a couple: a body, and which of its couples.
+    Point(usize, usize),
+    /// What gives way in a bed that only presses: a body, and which of its springs.
+    Bed(usize, usize),
+    /// What gives way in a bar.
+    Bar(usize),
+}
+
+impl Owner {
+    /// It moves by itself, and not just with the bodies that hold it.
+    pub fn is_free(self) -> bool {
+        matches!(self, Self::Body(_) | Self::Obstacle(_))
+    }
+
+    /// As messages call it.
+    pub fn name<const D: usize>(self, model: &Model<D>) -> String {
+        let body = |body: usize| &model.bodies[body];
+        match self {
+            Self::Body(of) => body(of).name.clone(),
+            Self::Obstacle(of) => format!("obstacle of {}", model.contacts[of].name),
+            Self::Point(of, couple) => {
+                format!("{}.{}", body(of).name, body(of).couples[couple].name)
+            }
+            Self::Bed(of, _) => format!("bed of {}", body(of).name),
+            Self::Bar(of) => model.bars[of].name.clone(),
         }
-    })
+    }
 }
 
-/// The part that the free obstacle of a contact is.
-pub(crate) fn obstacle_part<const D: usize>(
-    model: &Model<D>,
-    contact: &Contact<D>,
-) -> Option<usize> {
-    let place = free_obstacles(model).position(|(c, _)| c.name == contact.name);
-    place.map(|place| model.bodies.len() + place)
+/// The parts of a model.
+#[derive(Debug, Clone)]
+pub(crate) struct Parts(Vec<Owner>);
+
+impl Parts {
+    /// All of them.
+    pub fn of<const D: usize>(model: &Model<D>) -> Self {
+        let bodies = || model.bodies.iter().enumerate();
+        let obstacles = model.contacts.iter().enumerate();
+        let obstacles = obstacles.filter(|(_, contact)| free_force(contact).is_some());
+        let points = bodies().flat_map(|(index, body)| {
+            (0..body.couples.len()).map(move |couple| Owner::Point(index, couple))
+        });
+        let beds = bodies().flat_map(|(index, body)| {
+            let springs = body.springs.iter().enumerate();
+            let pressing = springs.filter(|(_, spring)| spring.presses().is_some());
+            pressing.map(move |(place, _)| Owner::Bed(index, place))
+        });
+        let owners = (0..model.bodies.len()).map(Owner::Body);
+        let owners = owners.chain(obstacles.map(|(contact, _)| Owner::Obstacle(contact)));
+        let owners = owners.chain(points).chain(beds);
+        Self(
+            owners
+                .chain((0..model.bars.len()).map(Owner::Bar))
+                .collect(),
+        )
+    }
+
+    /// Each with whose it is.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, Owner)> {
+        self.0.iter().copied().enumerate()
+    }
+
+    /// Whose a part is.
+    pub fn owner(&self, part: usize) -> Owner {
+        self.0[part]
+    }
+
+    /// The part of an owner; `None` of an obstacle that is not free, of a bed that acts both ways.
+    pub fn find(&self, owner: Owner) -> Option<usize> {
+        self.0.binary_search(&owner).ok()
+    }
+
+    /// How many move by themselves; they come first.
+    pub fn free(&self) -> usize {
+        self.0.partition_point(|owner| owner.is_free())
+    }
+
+    /// Points of couples: part, body and couple.
+    pub fn points<const D: usize>(
+        self,
+        model: &Model<D>,
+    ) -> impl Iterator<Item = (usize, usize, &Couple<D>)> {
+        let parts = self.0.into_iter().enumerate();
+        parts.filter_map(|(part, owner)| match owner {
+            Owner::Point(body, couple) => Some((part, body, &model.bodies[body].couples[couple])),
+            _ => None,
+        })
+    }
 }
 
-/// All couples with the index of their body, in the order of their parts.
-pub(crate) fn couples<const D: usize>(
-    model: &Model<D>,
-) -> impl Iterator<Item = (usize, &Couple<D>)> {
-    let bodies = model.bodies.iter().enumerate();
-    bodies.flat_map(|(index, body)| body.couples.iter().map(move |couple| (index, couple)))
-}
-
-/// The part that the point of the first couple is.
-pub(crate) fn first_point<const D: usize>(model: &Model<D>) -> usize {
-    model.bodies.len() + free_obstacles(model).count()
+/// The force on the obstacle of a contact, where it is free.
+fn free_force<const D: usize>(contact: &Contact<D>) -> Option<&[Field; D]> {
+    match &contact.pair {
+        Pair::Obstacle { obstacle, .. } => match &obstacle.motion {
+            Motion::Loaded(force) => Some(force),
+            Motion::Prescribed(_) => None,
+        },
+        _ => None,
+    }
 }
 
 /// The systems of all rigid parts at a time.
@@ -53,31 +124,38 @@ pub(crate) fn rigid_systems<const D: usize>(
     model: &Model<D>,
     time: f64,
 ) -> Result<Vec<BodySystem<D>>, Error<D>> {
-    let obstacles = free_obstacles(model).map(|obstacle| obstacle_system(model, obstacle, time));
-    let point = |(body, couple): (usize, &Couple<D>)| {
-        let body: &Body<D> = &model.bodies[body];
+    let point = |body: &Body<D>, couple: &Couple<D>| {
         let arm = couple.arm(body);
         let drive = arm.and_then(|arm| couple.drive(model.analysis, arm, time));
         let drive = drive.map_err(|source| Error::in_body(body, source))?;
         Ok(BodySystem::rigid(&drive.load, &drive.held))
     };
-    obstacles.chain(couples(model).map(point)).collect()
+    let parts = Parts::of(model);
+    let systems = parts.iter().filter_map(|(_, owner)| match owner {
+        Owner::Obstacle(of) => obstacle_system(model, &model.contacts[of], time),
+        Owner::Point(of, couple) => {
+            let body = &model.bodies[of];
+            Some(point(body, &body.couples[couple]))
+        }
+        Owner::Body(_) | Owner::Bed(..) | Owner::Bar(_) => None,
+    });
+    systems.collect()
 }
 
 fn obstacle_system<const D: usize>(
     model: &Model<D>,
-    (contact, force): (&Contact<D>, &[Field; D]),
+    contact: &Contact<D>,
     time: f64,
-) -> Result<BodySystem<D>, Error<D>> {
+) -> Option<Result<BodySystem<D>, Error<D>>> {
     let (mut value, mut held) = ([0.0; D], [None; D]);
-    for (axis, field) in force.iter().enumerate() {
+    for (axis, field) in free_force(contact)?.iter().enumerate() {
         let component = field.at([0.0; D], time);
         if !component.is_finite() {
-            return Err(Error::Obstacle {
+            return Some(Err(Error::Obstacle {
                 contact: contact.name.clone(),
                 what: "force on",
                 field: field.clone(),
-            });
+            }));
         }
         // with axial symmetry what is rigid moves along the axis alone
         match model.analysis == Analysis::Axisymmetric && axis != 1 {
@@ -85,29 +163,12 @@ fn obstacle_system<const D: usize>(
             false => value[axis] = component,
         }
     }
-    Ok(BodySystem::rigid(&[value], &[held]))
+    Some(Ok(BodySystem::rigid(&[value], &[held])))
 }
 
 /// Name of a part in messages.
 pub(crate) fn part_name<const D: usize>(model: &Model<D>, part: usize) -> String {
-    if let Some(body) = model.bodies.get(part) {
-        return body.name.clone();
-    }
-    match part.checked_sub(first_point(model)) {
-        None => {
-            let contact = free_obstacles(model).nth(part - model.bodies.len());
-            contact.map_or_else(String::new, |(contact, _)| {
-                format!("obstacle of {}", contact.name)
-            })
-        }
-        Some(place) => {
-            let couple = couples(model).nth(place);
-            couple.map_or_else(
-                || link_name(model, part - first_link(model)),
-                |(body, couple)| format!("{}.{}", model.bodies[body].name, couple.name),
-            )
-        }
-    }
+    Parts::of(model).owner(part).name(model)
 }
 
 /// Nodes of a part; those of what is rigid only tell its size, that of all bodies.
@@ -116,28 +177,4 @@ pub(crate) fn part_points<const D: usize>(model: &Model<D>, part: usize) -> Cow<
         Some(body) => Cow::Borrowed(body.mesh.points()),
         None => Cow::Owned(vec![[0.0; D]]),
     }
-}
-
-/// The part that the first link has.
-pub(crate) fn first_link<const D: usize>(model: &Model<D>) -> usize {
-    first_point(model) + couples(model).count()
-}
-
-/// Beds that only press: body, and place of the spring in it.
-pub(crate) fn beds<const D: usize>(model: &Model<D>) -> impl Iterator<Item = (usize, usize)> {
-    model.bodies.iter().enumerate().flat_map(|(index, body)| {
-        let pressing = body.springs.iter().enumerate();
-        let pressing = pressing.filter(|(_, spring)| spring.presses().is_some());
-        pressing.map(move |(place, _)| (index, place))
-    })
-}
-
-/// Name of the part of a link, by its place among them.
-pub(crate) fn link_name<const D: usize>(model: &Model<D>, place: usize) -> String {
-    if let Some((body, _)) = beds(model).nth(place) {
-        return format!("bed of {}", model.bodies[body].name);
-    }
-    let bar = place.checked_sub(beds(model).count());
-    let bar = bar.and_then(|place| model.bars.get(place));
-    bar.map_or_else(String::new, |bar| bar.name.clone())
 }

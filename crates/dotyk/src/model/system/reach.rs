@@ -14,12 +14,12 @@ use crate::geometry::dot;
 use crate::linalg::SparseVector;
 use crate::model::nouns::ids::SideRef;
 use crate::model::system::bodies::{LoadedBody, load_size};
-use crate::model::system::paired::Paired;
+use crate::model::system::condition::Condition;
 use std::collections::BTreeMap;
 use std::iter::repeat_n;
 
 /// A place where two bodies may push each other, and their contact.
-type Place<'a, const D: usize> = (&'a Paired<D>, &'a GapPoint<D>);
+type Place<'a, const D: usize> = (&'a Condition<D>, &'a GapPoint<D>);
 
 /// Names of the contacts that could hold a load if they pushed between their nodes, too, wherever two bodies face each other: those
 /// that the motion with the amplitudes `z` (r,) closes there. `None` where pushes would not hold it either.
@@ -27,12 +27,12 @@ type Place<'a, const D: usize> = (&'a Paired<D>, &'a GapPoint<D>);
 /// Of each mode: its part with its number there, its row of G and its load.
 pub(crate) fn hold_between_nodes<'a, const D: usize>(
     bodies: &[LoadedBody<D>],
-    paired: &'a [Paired<D>],
+    conditions: &'a [Condition<D>],
     admissible: &AdmissibleSet,
     (modes, rows, load): (&[(usize, usize)], &[SparseVector], Vec<f64>),
     z: &[f64],
 ) -> Option<Vec<&'a str>> {
-    let places = places(paired);
+    let places = places(conditions);
     let (first, m) = (admissible.len(), admissible.len() + places.len());
     let between = closed(bodies, &places, modes);
     let with_places = |(row, between): (&SparseVector, &Vec<(usize, f64)>)| {
@@ -54,7 +54,9 @@ pub(crate) fn hold_between_nodes<'a, const D: usize>(
             parts.for_each(|(row, z)| row.add_to(*z, &mut met));
             let met = places.iter().zip(&met[first..]);
             let met = met.filter(|(_, closed)| **closed > 0.0);
-            let mut names: Vec<&str> = met.map(|((pair, _), _)| pair.name.as_str()).collect();
+            let mut names: Vec<&str> = met
+                .map(|((condition, _), _)| condition.name.as_str())
+                .collect();
             names.dedup();
             Some(names)
         }
@@ -62,15 +64,15 @@ pub(crate) fn hold_between_nodes<'a, const D: usize>(
 }
 
 /// Where two bodies face each other in contacts that push, contact by contact.
-fn places<const D: usize>(paired: &[Paired<D>]) -> Vec<Place<'_, D>> {
-    let pushes = |pair: &&Paired<D>| {
+fn places<const D: usize>(conditions: &[Condition<D>]) -> Vec<Place<'_, D>> {
+    let pushes = |condition: &&Condition<D>| {
         // no rigid motion closes what a body has between its own sides
-        let two = |other: &SideRef| other.body != pair.nonmortar.body;
-        pair.mortar.as_ref().is_some_and(two) && pair.interface.coupling != Coupling::Tied
+        let two = |other: &SideRef| other.body != condition.nonmortar.body;
+        condition.mortar.as_ref().is_some_and(two) && condition.interface.coupling != Coupling::Tied
     };
-    let all = paired.iter().filter(pushes).flat_map(|pair| {
-        let samples = pair.samples.iter().flatten();
-        samples.map(move |sample| (pair, &sample.at))
+    let all = conditions.iter().filter(pushes).flat_map(|condition| {
+        let samples = condition.touch.samples.iter().flatten();
+        samples.map(move |sample| (condition, &sample.at))
     });
     all.collect()
 }
@@ -82,8 +84,8 @@ fn closed<const D: usize>(
     modes: &[(usize, usize)],
 ) -> Vec<Vec<(usize, f64)>> {
     let mut of_body: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (k, (pair, _)) in places.iter().enumerate() {
-        for side in [Some(&pair.nonmortar), pair.mortar.as_ref()] {
+    for (k, (condition, _)) in places.iter().enumerate() {
+        for side in [Some(&condition.nonmortar), condition.mortar.as_ref()] {
             let Some(side) = side else { continue };
             of_body.entry(side.body.0).or_default().push(k);
         }
@@ -99,8 +101,8 @@ fn closed<const D: usize>(
             nodes.map(|&(n, shape)| shape * dot(moved[n], normal)).sum()
         };
         let closed = |&k: &usize| {
-            let (pair, at) = places[k];
-            match pair.nonmortar.body.0 == body {
+            let (condition, at) = places[k];
+            match condition.nonmortar.body.0 == body {
                 true => (k, along(&at.own, at.normal)),
                 false => (k, -along(&at.opposite, at.normal)),
             }

@@ -22,7 +22,7 @@ use crate::mesh::Facet;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Contact, Law, Model, Motion, Pair};
 use crate::model::nouns::solution::{ContactSolution, Status};
-use crate::model::system::paired::{Kind, Paired, Sharer, gap_varies, row_ranges};
+use crate::model::system::condition::{Condition, Sharer, gap_varies, row_ranges};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
@@ -40,17 +40,17 @@ const SAME: f64 = 1e-10;
 pub(crate) fn share_nodes<const D: usize>(
     model: &Model<D>,
     systems: &[BodySystem<D>],
-    paired: &mut [Paired<D>],
+    conditions: &mut [Condition<D>],
 ) {
     let mut at_nodes: BTreeMap<Dofs, Vec<(usize, usize)>> = BTreeMap::new();
     let mut rows: BTreeMap<(usize, usize), Vec<Moving>> = BTreeMap::new();
-    for (contact, pair) in paired.iter().enumerate() {
-        if !may_share(model, contact, pair) {
+    for (contact, condition) in conditions.iter().enumerate() {
+        if !may_share(model, condition) {
             continue;
         }
-        for (place, node) in pair.interface.nodes.iter().enumerate() {
+        for (place, node) in condition.interface.nodes.iter().enumerate() {
             let own = node.rows.iter().flatten();
-            let own: Vec<Moving> = own.map(|&row| moving(systems, pair, row)).collect();
+            let own: Vec<Moving> = own.map(|&row| moving(systems, condition, row)).collect();
             if let Some(normal) = own.first().filter(|normal| !normal.is_empty()) {
                 let dofs = normal.iter().map(|(dof, _)| *dof).collect();
                 at_nodes.entry(dofs).or_default().push((contact, place));
@@ -72,27 +72,27 @@ pub(crate) fn share_nodes<const D: usize>(
                 at.0 != owner.0
                     && laws_agree(laws)
                     && same_rows(&rows[&at], &rows[owner])
-                    && same_gap(model, paired, [at, **owner])
+                    && same_gap(model, conditions, [at, **owner])
                     && !twice
                         .entry([at.0, owner.0])
-                        .or_insert_with_key(|&both| repeated(model, paired, both))
-                        .contains(&paired[at.0].interface.nodes[at.1].node)
+                        .or_insert_with_key(|&both| repeated(model, conditions, both))
+                        .contains(&conditions[at.0].interface.nodes[at.1].node)
             };
             let Some(&owner) = owners.iter().find(alike) else {
                 owners.push(at);
                 continue;
             };
-            let node = &paired[at.0].interface.nodes[at.1];
+            let node = &conditions[at.0].interface.nodes[at.1];
             let (weight, extent) = (node.weight, node.extent);
             dropped
                 .entry(at.0)
                 .or_default()
                 .extend(node.rows.iter().flatten());
-            let pair = &mut paired[owner.0];
-            let whole = &mut pair.interface.nodes[owner.1];
+            let condition = &mut conditions[owner.0];
+            let whole = &mut condition.interface.nodes[owner.1];
             whole.weight += weight;
             whole.extent += extent;
-            pair.sharers.push(Sharer {
+            condition.touch.sharers.push(Sharer {
                 place: owner.1,
                 at,
                 weight,
@@ -101,19 +101,19 @@ pub(crate) fn share_nodes<const D: usize>(
         }
     }
     for (contact, rows) in dropped {
-        paired[contact].interface.drop_rows(&rows);
+        conditions[contact].interface.drop_rows(&rows);
     }
 }
 
 /// Nodes of the nonmortar side of a contact on facets that another one touches, too, against the same.
 fn repeated<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     [contact, other]: [usize; 2],
 ) -> BTreeSet<usize> {
     let mesh = |side: &SideRef| &model.bodies[side.body.0].mesh;
     let facets = |side: &SideRef| mesh(side).side(&side.side).unwrap_or_default();
-    let (own, other) = (&paired[contact], &paired[other]);
+    let (own, other) = (&conditions[contact], &conditions[other]);
     let common = |side: &SideRef| -> Vec<Facet> {
         let others = [Some(&other.nonmortar), other.mortar.as_ref()];
         let others = others.into_iter().flatten();
@@ -135,13 +135,13 @@ fn repeated<const D: usize>(
 }
 
 /// A contact whose conditions may be those of another one: nothing changes its gaps, nothing moves its obstacle.
-fn may_share<const D: usize>(model: &Model<D>, contact: usize, pair: &Paired<D>) -> bool {
+fn may_share<const D: usize>(model: &Model<D>, condition: &Condition<D>) -> bool {
     let moved = |contact: &Contact<D>| match &contact.pair {
         Pair::Obstacle { obstacle, .. } => matches!(obstacle.motion, Motion::Loaded(_)),
         _ => false,
     };
-    let contact = model.contacts.get(contact);
-    pair.kind == Kind::Contact && contact.is_some_and(|c| !gap_varies(c) && !moved(c))
+    let contact = condition.contact_of(model);
+    contact.is_some_and(|c| !gap_varies(c) && !moved(c))
 }
 
 fn is_tied<const D: usize>(contact: &Contact<D>) -> bool {
@@ -163,9 +163,13 @@ fn laws_agree<const D: usize>([a, b]: [&Contact<D>; 2]) -> bool {
 }
 
 /// A row at the dofs that are not held still.
-fn moving<const D: usize>(systems: &[BodySystem<D>], pair: &Paired<D>, row: usize) -> Moving {
+fn moving<const D: usize>(
+    systems: &[BodySystem<D>],
+    condition: &Condition<D>,
+    row: usize,
+) -> Moving {
     let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
-    for (body, rows) in pair.ends() {
+    for (body, rows) in condition.ends() {
         let system = &systems[body];
         let still = |constraints: &Constraints<D>, dof: usize| {
             system.held[dof] && constraints.at(dof / D).iter().all(|held| held.still)
@@ -193,21 +197,20 @@ fn same_rows(some: &[Moving], all: &[Moving]) -> bool {
 
 fn same_gap<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     at: [(usize, usize); 2],
 ) -> bool {
     let gap = |(contact, place): (usize, usize)| {
-        let pair = &paired[contact];
-        let node = &pair.interface.nodes[place];
+        let condition = &conditions[contact];
+        let node = &condition.interface.nodes[place];
         let row = node.rows[0]?;
-        let interface = &pair.interface;
-        let fitted = pair
-            .fit
-            .along(&interface.nonmortar[row], &interface.mortar[row]);
+        let interface = &condition.interface;
+        let rows = [&interface.nonmortar[row], &interface.mortar[row]];
+        let fitted = condition.touch.fit.along(rows[0], rows[1]);
         Some(node.gap + fitted)
     };
     let size = |contact: usize| {
-        let body = paired[contact].nonmortar.body.0;
+        let body = conditions[contact].nonmortar.body.0;
         model.bodies[body].mesh.diameter()
     };
     match at.map(gap) {
@@ -216,10 +219,10 @@ fn same_gap<const D: usize>(
     }
 }
 
-impl<const D: usize> Paired<D> {
+impl<const D: usize> Condition<D> {
     /// What other contacts have of one of its nodes.
     pub fn sharers_at(&self, place: usize) -> impl Iterator<Item = &Sharer> {
-        self.sharers.iter().filter(move |s| s.place == place)
+        self.touch.sharers.iter().filter(move |s| s.place == place)
     }
 
     /// Weight of the facets of a node that are its own.
@@ -233,13 +236,13 @@ impl<const D: usize> Paired<D> {
 /// of the others. Their sum is the coefficient of the node.
 pub(crate) fn coefficients<const D: usize, E>(
     model: &Model<D>,
-    (contact, pair): (usize, &Paired<D>),
+    (contact, condition): (usize, &Condition<D>),
     place: usize,
     at: impl Fn(&Field) -> Result<f64, E>,
 ) -> Result<Vec<f64>, E> {
-    let whole = pair.interface.nodes[place].weight;
-    let own = std::iter::once((contact, pair.own_weight(place)));
-    let others = pair.sharers_at(place).map(|s| (s.at.0, s.weight));
+    let whole = condition.interface.nodes[place].weight;
+    let own = std::iter::once((contact, condition.own_weight(place)));
+    let others = condition.sharers_at(place).map(|s| (s.at.0, s.weight));
     own.chain(others)
         .map(|(contact, weight)| match &model.contacts[contact].law {
             Law::Coulomb(field) => Ok(weight / whole * at(field)?),
@@ -251,15 +254,15 @@ pub(crate) fn coefficients<const D: usize, E>(
 /// Weight of the facets at a node that bear its normal force: where that pulls, of those that are tied.
 pub(crate) fn bearing_weight<const D: usize>(
     model: &Model<D>,
-    (contact, pair): (usize, &Paired<D>),
+    (contact, condition): (usize, &Condition<D>),
     place: usize,
     pulls: bool,
 ) -> f64 {
-    let whole = pair.interface.nodes[place].weight;
+    let whole = condition.interface.nodes[place].weight;
     if !pulls || !is_tied(&model.contacts[contact]) {
         return whole;
     }
-    let others = pair.sharers_at(place);
+    let others = condition.sharers_at(place);
     let others = others.filter(|s| !is_tied(&model.contacts[s.at.0]));
     whole - others.map(|s| s.weight).sum::<f64>()
 }
@@ -267,26 +270,26 @@ pub(crate) fn bearing_weight<const D: usize>(
 /// The parts of a node's shear that its contacts bear, as [`coefficients`] lists them.
 pub(crate) fn shear_parts<const D: usize>(
     model: &Model<D>,
-    (contact, pair): (usize, &Paired<D>),
+    (contact, condition): (usize, &Condition<D>),
     place: usize,
     time: f64,
 ) -> Vec<f64> {
     let by_weight = || {
         let tied = is_tied(&model.contacts[contact]);
-        let whole = bearing_weight(model, (contact, pair), place, tied);
+        let whole = bearing_weight(model, (contact, condition), place, tied);
         let bears = |of: usize| !tied || is_tied(&model.contacts[of]);
-        let own = std::iter::once(pair.own_weight(place));
-        let others = pair.sharers_at(place);
+        let own = std::iter::once(condition.own_weight(place));
+        let others = condition.sharers_at(place);
         let others = others.map(|s| if bears(s.at.0) { s.weight } else { 0.0 });
         own.chain(others).map(|weight| weight / whole).collect()
     };
     if !matches!(model.contacts[contact].law, Law::Coulomb(_)) {
         return by_weight();
     }
-    let node = pair.interface.nodes[place].node;
-    let point = model.bodies[pair.nonmortar.body.0].mesh.points()[node];
+    let node = condition.interface.nodes[place].node;
+    let point = model.bodies[condition.nonmortar.body.0].mesh.points()[node];
     let at = |field: &Field| Ok::<f64, Infallible>(field.at(point, time));
-    let Ok(parts) = coefficients(model, (contact, pair), place, at);
+    let Ok(parts) = coefficients(model, (contact, condition), place, at);
     let sum: f64 = parts.iter().sum();
     match sum > 0.0 {
         true => parts.into_iter().map(|part| part / sum).collect(),
@@ -297,23 +300,23 @@ pub(crate) fn shear_parts<const D: usize>(
 /// Gives every contact its part of what the nodes bear that it has in common with others; `lambda` (m,), gaps (m,).
 pub(crate) fn share_out<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
     [lambda, gaps]: [&[f64]; 2],
     time: f64,
     contacts: &mut [ContactSolution<D>],
 ) {
-    for (contact, (rows, pair)) in row_ranges(paired).take(contacts.len()).enumerate() {
-        let forces = pair.forces(&lambda[rows.clone()]);
-        let mut places: Vec<usize> = pair.sharers.iter().map(|s| s.place).collect();
+    for (contact, (rows, condition)) in row_ranges(conditions).take(contacts.len()).enumerate() {
+        let forces = condition.forces(&lambda[rows.clone()]);
+        let mut places: Vec<usize> = condition.touch.sharers.iter().map(|s| s.place).collect();
         places.dedup();
         for place in places {
-            let node = &pair.interface.nodes[place];
-            let shears = shear_parts(model, (contact, pair), place, time);
+            let node = &condition.interface.nodes[place];
+            let shears = shear_parts(model, (contact, condition), place, time);
             let whole = contacts[contact].nodes[place];
             let pulls = whole.pressure < 0.0;
-            let bearing = bearing_weight(model, (contact, pair), place, pulls);
+            let bearing = bearing_weight(model, (contact, condition), place, pulls);
             let traction = whole.pressure * (node.weight / bearing);
-            let parts = pair.sharers_at(place).zip(&shears[1..]);
+            let parts = condition.sharers_at(place).zip(&shears[1..]);
             for (sharer, &shear) in parts {
                 let tied = is_tied(&model.contacts[sharer.at.0]);
                 // beside a tie that pulls
@@ -333,13 +336,13 @@ pub(crate) fn share_out<const D: usize>(
                 let work: f64 = work.sum();
                 let own = moved
                     .iter()
-                    .map(|&(_, row, l)| (&pair.interface.nonmortar[row], l));
+                    .map(|&(_, row, l)| (&condition.interface.nonmortar[row], l));
                 contacts[contact].take_over(
-                    &model.bodies[pair.nonmortar.body.0],
+                    &model.bodies[condition.nonmortar.body.0],
                     own.map(|(row, l)| (row, -l)),
                     (-work, -sharer.extent, whole.status),
                 );
-                let other = &paired[sharer.at.0];
+                let other = &conditions[sharer.at.0];
                 let implied = other.interface.implied.iter();
                 let implied = implied.filter(|condition| condition.node == sharer.at.1);
                 let theirs = implied.filter_map(|condition| {
@@ -370,7 +373,7 @@ pub(crate) fn share_out<const D: usize>(
                     add_scaled(sum, force / sharer.weight, direction)
                 });
             }
-            let own = pair.own_weight(place);
+            let own = condition.own_weight(place);
             let shown = &mut contacts[contact].nodes[place];
             let of_whole = shears[0] * node.weight / own;
             (shown.weight, shown.shear) = (own, shown.shear.map(|t| of_whole * t));

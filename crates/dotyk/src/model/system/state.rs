@@ -23,8 +23,8 @@ use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::{Contact, Law, Model};
 use crate::model::nouns::presence::{Presence, Stage, places};
 use crate::model::nouns::solution::Solution;
+use crate::model::system::condition::{Condition, Fit, Source, obstacle_motion, row_ranges};
 use crate::model::system::joints::Lost;
-use crate::model::system::paired::{Fit, Kind, Paired, obstacle_motion, row_ranges};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -163,22 +163,22 @@ impl<const D: usize> State<D> {
         (0..there.len()).filter(|&body| there[body]).collect()
     }
 
-    /// Remembers a solved step of the stage: e (r,) and the forces, how far its pairs have slid (m,) and what they have lost, and what
+    /// Remembers a solved step of the stage: e (r,) and the forces, how far its conditions have slid (m,) and what they have lost, and what
     /// has yielded of its bodies; tells these what they were fitted to.
     pub fn remember(
         &mut self,
         solution: &mut Solution<D>,
-        paired: &[Paired<D>],
+        conditions: &[Condition<D>],
         (load, forces): (&[f64], Multipliers),
         (slip, lost): (&[f64], &[Vec<bool>]),
         yielded: AllYielded,
     ) {
         self.load = Some((solution.time, load.to_vec()));
         self.forces = Some(forces);
-        for ((rows, pair), lost) in row_ranges(paired).zip(lost) {
-            let record = self.records.entry(pair.name.clone()).or_default();
+        for ((rows, condition), lost) in row_ranges(conditions).zip(lost) {
+            let record = self.records.entry(condition.name.clone()).or_default();
             record.slip = Some(slip[rows].to_vec());
-            record.lost = Some(Lost::of(pair, lost));
+            record.lost = Some(Lost::of(condition, lost));
         }
         self.obstacles.clear();
         for contact in &solution.contacts {
@@ -199,12 +199,12 @@ impl<const D: usize> State<D> {
         self.moved = moved.into();
     }
 
-    /// Goes on to a step; whether something comes or goes there. `last` are the pairs of the last step.
+    /// Goes on to a step; whether something comes or goes there. `last` are the conditions of the last step.
     pub fn go_on(
         &mut self,
         model: &Model<D>,
         (step, time): (usize, f64),
-        last: Option<&[Paired<D>]>,
+        last: Option<&[Condition<D>]>,
     ) -> bool {
         let next = self.staged.then(|| Presence::at(model, time));
         let Some(next) = next.filter(|next| *next != self.presence) else {
@@ -212,11 +212,11 @@ impl<const D: usize> State<D> {
         };
         let forces = self.forces.take();
         self.load = None;
-        if let (Some(paired), Some(forces)) = (last, &forces) {
-            self.release(model, &next, (paired, &forces.lambda));
+        if let (Some(conditions), Some(forces)) = (last, &forces) {
+            self.release(model, &next, (conditions, &forces.lambda));
             // rows are others now; what is plastic in a bar stays
-            for pair in paired.iter().filter(|pair| !pair.is_link()) {
-                let record = self.records.get_mut(&pair.name);
+            for condition in conditions.iter().filter(|c| c.elastic.is_none()) {
+                let record = self.records.get_mut(&condition.name);
                 record.into_iter().for_each(|record| record.slip = None);
             }
         }
@@ -323,45 +323,51 @@ impl<const D: usize> State<D> {
 
     /// What friction counts from, in all rows (m,): how far the sides of contacts have moved along each other, and the plastic
     /// elongations of bars.
-    pub fn slips(&self, paired: &[Paired<D>]) -> Vec<f64> {
-        let of_pair = |pair: &Paired<D>| {
-            let slides = pair.slides();
-            let known = self.records.get(&pair.name);
+    pub fn slips(&self, conditions: &[Condition<D>]) -> Vec<f64> {
+        let of_condition = |condition: &Condition<D>| {
+            let slides = condition.slides();
+            let known = self.records.get(&condition.name);
             let known = known.and_then(|record| record.slip.as_ref());
             match known.filter(|known| known.len() == slides.len()) {
                 Some(known) => known.clone(),
                 None => {
                     let rows = slides.iter().enumerate();
-                    rows.map(|(row, &along)| if along { pair.moved_before(row) } else { 0.0 })
-                        .collect()
+                    rows.map(|(row, &along)| {
+                        if along {
+                            condition.moved_before(row)
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect()
                 }
             }
         };
-        paired.iter().flat_map(of_pair).collect()
+        conditions.iter().flat_map(of_condition).collect()
     }
 
-    /// Tells the pairs of the stage where their sides were when their bodies appeared and when the stage begins, and links what they
+    /// Tells the conditions of the stage where their sides were when their bodies appeared and when the stage begins, and links what they
     /// found.
     ///
     /// Errors: a prescribed displacement of an obstacle that is not finite.
-    pub fn place(&self, model: &Model<D>, paired: &mut [Paired<D>]) -> Result<(), Error<D>> {
+    pub fn place(&self, model: &Model<D>, conditions: &mut [Condition<D>]) -> Result<(), Error<D>> {
         let whole = self.whole();
-        for (contact, pair) in model.contacts.iter().zip(&mut *paired) {
-            pair.began = self.began(&whole, contact, pair)?;
-        }
-        for pair in paired {
-            if let Some(mortar) = &pair.mortar {
-                let [own, other] = [pair.nonmortar.body, mortar.body].map(|id| whole[id.0]);
-                pair.fit = self.fit(&pair.name, own, other);
+        for condition in conditions {
+            if let Some(contact) = condition.contact_of(model) {
+                condition.touch.began = self.began(&whole, contact, condition)?;
             }
-            let birth = match pair.kind {
-                Kind::Bed(place) => self.spring(whole[pair.nonmortar.body.0], place),
-                Kind::Bar(_) => self.births.get(&Thing::Bar(pair.name.clone())),
+            if let Some(mortar) = &condition.mortar {
+                let [own, other] = [condition.nonmortar.body, mortar.body].map(|id| whole[id.0]);
+                condition.touch.fit = self.fit(&condition.name, own, other);
+            }
+            let birth = match condition.source {
+                Source::Bed(of, place) => self.spring(whole[of], place),
+                Source::Bar(_) => self.births.get(&Thing::Bar(condition.name.clone())),
                 _ => None,
             };
             let Some(birth) = birth else { continue };
-            let mut came_with = vec![0.0; pair.link.came_with.len()];
-            for (body, rows) in pair.ends() {
+            let mut came_with = vec![0.0; condition.came_with.len()];
+            for (body, rows) in condition.ends() {
                 let Some(Some(u)) = whole.get(body).map(|&body| &birth.moved[body]) else {
                     continue;
                 };
@@ -369,7 +375,7 @@ impl<const D: usize> State<D> {
                     *came += row.iter().map(|&(node, c)| dot(c, u[node])).sum::<f64>();
                 }
             }
-            pair.link.came_with = came_with;
+            condition.came_with = came_with;
         }
         Ok(())
     }
@@ -387,13 +393,13 @@ impl<const D: usize> State<D> {
         &self,
         whole: &[usize],
         contact: &Contact<D>,
-        pair: &Paired<D>,
+        condition: &Condition<D>,
     ) -> Result<Fit<D>, Error<D>> {
         let Some(time) = self.time else {
             return Ok(Fit::default());
         };
         let moved = |side: &SideRef| self.moved[whole[side.body.0]].clone();
-        let other = match &pair.mortar {
+        let other = match &condition.mortar {
             Some(mortar) => moved(mortar),
             None => Some(Arc::from(vec![match self.obstacles.get(&contact.name) {
                 Some(&moved) => moved,
@@ -401,7 +407,7 @@ impl<const D: usize> State<D> {
             }])),
         };
         Ok(Fit {
-            own: moved(&pair.nonmortar),
+            own: moved(&condition.nonmortar),
             other,
         })
     }
@@ -461,13 +467,15 @@ impl<const D: usize> State<D> {
         &mut self,
         model: &Model<D>,
         next: &Presence,
-        (paired, lambda): (&[Paired<D>], &[f64]),
+        (conditions, lambda): (&[Condition<D>], &[f64]),
     ) {
         let whole = self.whole();
-        for (rows, pair) in row_ranges(paired) {
-            let Some(mortar) = &pair.mortar else { continue };
-            let [own, other] = [pair.nonmortar.body, mortar.body].map(|id| whole[id.0]);
-            let interface = &pair.interface;
+        for (rows, condition) in row_ranges(conditions) {
+            let Some(mortar) = &condition.mortar else {
+                continue;
+            };
+            let [own, other] = [condition.nonmortar.body, mortar.body].map(|id| whole[id.0]);
+            let interface = &condition.interface;
             let ends = [
                 (own, other, &interface.nonmortar),
                 (other, own, &interface.mortar),
@@ -480,7 +488,10 @@ impl<const D: usize> State<D> {
                     continue;
                 }
                 let mut forces = vec![[0.0; D]; model.bodies[stays].mesh.points().len()];
-                for (row, force) in coefficients.iter().zip(pair.forces(&lambda[rows.clone()])) {
+                for (row, force) in coefficients
+                    .iter()
+                    .zip(condition.forces(&lambda[rows.clone()]))
+                {
                     for &(node, c) in row {
                         forces[node] = add_scaled(forces[node], -force, c);
                     }

@@ -1,193 +1,81 @@
-//! Contacts as interfaces: how their sides are coupled, and the gaps of their rows at a time. Behind them stand the couples,
-//! which are interfaces of a side and a point, and the links (`links.rs`).
+//! Contacts as conditions: how their sides are coupled, and the gaps of their rows at a time.
 
 use crate::contact::{
     Against, ContactError, Corners, Coupling, Driven, End, GapPoint, InitialGap, Interface, Role,
-    Row, Sample, corners_above, facets_coincide, missed_by_nodes, pair_couple, pair_mortar,
-    pair_nodes, pair_obstacle, samples, smooth_parts, unmatched_facing,
+    Sample, corners_above, facets_coincide, missed_by_nodes, pair_mortar, pair_nodes,
+    pair_obstacle, samples, smooth_parts, unmatched_facing,
 };
-use crate::fem::{AGREE, Constraints, Couple, CoupleKind, FemError, Place, Short, describe, show};
-use crate::geometry::{Field, Point};
+use crate::fem::{Constraints, Place, Short, describe, show};
+use crate::geometry::Field;
 use crate::mesh::Facet;
 use crate::model::nouns::error::Error;
-use crate::model::nouns::ids::{BodyId, SideRef};
+use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::*;
-use crate::model::nouns::presence::Stage;
 use crate::model::system::choose::{chosen, either_may, finer_than_softer};
-use crate::model::system::links::pair_links;
-use crate::model::system::paired::{Kind, Paired, obstacle_motion, varying_gap};
-use crate::model::system::parts::{couples, first_point, obstacle_part};
-use rayon::prelude::*;
+use crate::model::system::condition::{Condition, Source, Touch, obstacle_motion, varying_gap};
+use crate::model::system::parts::{Owner, Parts};
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Pairs all contacts, with the gaps at a time, then all couples, then all links.
-pub(crate) fn pair_all<const D: usize>(
-    stage: &Stage<'_, D>,
-    constraints: &[&Constraints<D>],
-    time: f64,
-) -> Result<Vec<Paired<D>>, Error<D>> {
-    let model = stage.model.as_ref();
-    let contacts = model.contacts.par_iter();
-    let contacts = contacts.map(|contact| pair_contact(model, constraints, contact, time));
-    let mut paired = contacts.collect::<Result<Vec<_>, _>>()?;
-    for (place, (body, couple)) in couples(model).enumerate() {
-        let part = first_point(model) + place;
-        let held = constraints[body];
-        paired.push(pair_point(model, held, BodyId(body), (couple, part), time)?);
-    }
-    paired.extend(pair_links(stage)?);
-    Ok(paired)
-}
-
-/// A couple of a body with its point, which is a part.
-fn pair_point<const D: usize>(
-    model: &Model<D>,
-    constraints: &Constraints<D>,
-    id: BodyId,
-    (couple, part): (&Couple<D>, usize),
-    time: f64,
-) -> Result<Paired<D>, Error<D>> {
-    let body = &model.bodies[id.0];
-    let end = End {
-        body,
-        side: &couple.side,
-        constraints,
-        part: None,
-    };
-    let fail = |source| Error::in_body(body, source);
-    let interface = pair_couple(couple, end, model.analysis).map_err(fail)?;
-    check_held(model, constraints, (id.0, couple), &interface, time).map_err(fail)?;
-    let side = SideRef {
-        body: id,
-        side: couple.side.clone(),
-    };
-    let name = format!("{}.{}", body.name, couple.name);
-    Ok(Paired {
-        opposite: Some(part),
-        ..Paired::new(Kind::Couple(couple.kind), name, side, interface)
-    })
-}
-
-/// A contact alone.
+/// The condition of a contact, by its place, at a time.
 ///
 /// Errors: sides that cannot be paired.
-fn pair_contact<const D: usize>(
-    model: &Model<D>,
+pub(crate) fn touching<const D: usize>(
+    (model, parts): (&Model<D>, &Parts),
     constraints: &[&Constraints<D>],
-    contact: &Contact<D>,
+    index: usize,
     time: f64,
-) -> Result<Paired<D>, Error<D>> {
+) -> Result<Condition<D>, Error<D>> {
     let contacting = Contacting {
         model,
         constraints,
-        contact,
+        contact: &model.contacts[index],
+        at: (index, parts.find(Owner::Obstacle(index))),
         time,
     };
     contacting.prepare_gap();
     contacting.pair()
 }
 
-/// Errors: a support of a node of a rigid side says something else than those of its point, where these hold all of it.
-fn check_held<const D: usize>(
-    model: &Model<D>,
-    constraints: &Constraints<D>,
-    (body, couple): (usize, &Couple<D>),
-    interface: &Interface<D>,
-    time: f64,
-) -> Result<(), FemError> {
-    let body = &model.bodies[body];
-    let drive = couple.drive(model.analysis, couple.arm(body)?, time)?;
-    let held: Option<Vec<f64>> = drive.held.iter().flatten().copied().collect();
-    let (Some(held), CoupleKind::Rigid) = (held, couple.kind) else {
-        return Ok(());
-    };
-    // the displacement along a row and the size of its terms, of which it may be left
-    let at_point = |row: &Row<D>| -> [f64; 2] {
-        let of_node = |&(node, c): &(usize, Point<D>)| {
-            let u = &held[D * node..];
-            c.into_iter().enumerate().map(move |(i, c)| c * u[i])
-        };
-        let terms = || row.iter().flat_map(of_node);
-        [terms().sum(), terms().map(f64::abs).sum()]
-    };
-    let largest = held
-        .iter()
-        .fold(0.0, |largest: f64, u| largest.max(u.abs()));
-    for node in &interface.nodes {
-        let of_row = |row: Option<usize>| row.map_or([0.0; 2], |k| at_point(&interface.mortar[k]));
-        let moved = node.rows.map(of_row);
-        let supports = constraints.at(node.node).iter();
-        for support in supports.filter(|h| !h.supports.is_empty()) {
-            let parts = support.axis.iter().zip(&moved);
-            let along: f64 = parts.clone().map(|(a, [u, _])| -a * u).sum();
-            let terms: f64 = parts.map(|(a, [_, terms])| a.abs() * terms).sum();
-            let terms = terms.max(largest).max(support.terms);
-            if (along - support.value).abs() > AGREE * terms {
-                return Err(FemError::Contradiction {
-                    node: node.node,
-                    point: show(body.mesh.points()[node.node]),
-                    first: describe(&body.supports[support.supports[0]].place),
-                    second: format!("at point \"{}\"", couple.name),
-                    a: support.value,
-                    b: along,
-                });
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The same pairs with the gaps and the motion of obstacles at another time; rows, weights and roles stay.
-pub(crate) fn gaps_at<const D: usize>(
+/// Gives a contact its gaps and the motion of its obstacle at another time; rows, weights and roles stay.
+///
+/// Errors: those of them.
+pub(crate) fn contact_gaps<const D: usize>(
     model: &Model<D>,
     constraints: &[&Constraints<D>],
-    mut paired: Vec<Paired<D>>,
+    (index, condition): (usize, &mut Condition<D>),
     time: f64,
-) -> Result<Vec<Paired<D>>, Error<D>> {
-    let coupled = paired.split_off(model.contacts.len());
-    for ((body, couple), pair) in couples(model).zip(&coupled) {
-        let held = check_held(
-            model,
-            constraints[body],
-            (body, couple),
-            &pair.interface,
-            time,
-        );
-        held.map_err(|source| Error::in_body(&model.bodies[body], source))?;
-    }
-    let at_time = |(contact, mut before): (&Contact<D>, Paired<D>)| {
-        let contacting = Contacting {
-            model,
-            constraints,
-            contact,
-            time,
-        };
-        before.obstacle_motion = obstacle_motion(contact, time)?;
-        if let Some(field) = varying_gap(contact) {
-            let side = before.nonmortar.clone();
-            let end = contacting.end(&side);
-            let fail = |source| contacting.fail(source);
-            let points = end.body.mesh.points();
-            let samples = before.samples.iter().flatten().chain(&before.left_out);
-            let seen = before.interface.points.iter();
-            let seen = seen.chain(samples.map(|sample| &sample.at));
-            let seen = seen.map(|point| point.place(points));
-            Field::prepare([field], seen, time);
-            let gap = |point: &GapPoint<D>| point.given(field, end, time);
-            before.interface.measure(gap).map_err(fail)?;
-            let samples = before.samples.iter_mut().flatten();
-            for sample in samples.chain(&mut before.left_out) {
-                sample.at.gap = gap(&sample.at).map_err(fail)?;
-            }
-        }
-        Ok(before)
+) -> Result<(), Error<D>> {
+    let contact = &model.contacts[index];
+    condition.touch.obstacle_motion = obstacle_motion(contact, time)?;
+    let Some(field) = varying_gap(contact) else {
+        return Ok(());
     };
-    let both = model.contacts.par_iter().zip(paired);
-    let mut paired = both.map(at_time).collect::<Result<Vec<_>, _>>()?;
-    paired.extend(coupled);
-    Ok(paired)
+    let contacting = Contacting {
+        model,
+        constraints,
+        contact,
+        at: (index, condition.opposite),
+        time,
+    };
+    let side = condition.nonmortar.clone();
+    let end = contacting.end(&side);
+    let fail = |source| contacting.fail(source);
+    let points = end.body.mesh.points();
+    let touch = &mut condition.touch;
+    let samples = touch.samples.iter().flatten().chain(&touch.left_out);
+    let seen = condition.interface.points.iter();
+    let seen = seen.chain(samples.map(|sample| &sample.at));
+    let seen = seen.map(|point| point.place(points));
+    Field::prepare([field], seen, time);
+    let gap = |point: &GapPoint<D>| point.given(field, end, time);
+    condition.interface.measure(gap).map_err(fail)?;
+    let samples = touch.samples.iter_mut().flatten();
+    for sample in samples.chain(&mut touch.left_out) {
+        sample.at.gap = gap(&sample.at).map_err(fail)?;
+    }
+    Ok(())
 }
 
 /// Gaps below this part of what the meshes miss of their curves are rounding: the contact is closed, and nothing is to be said.
@@ -228,11 +116,13 @@ struct Contacting<'a, const D: usize> {
     model: &'a Model<D>,
     constraints: &'a [&'a Constraints<D>],
     contact: &'a Contact<D>,
+    /// Its place, and the part that its obstacle is, where that is one.
+    at: (usize, Option<usize>),
     time: f64,
 }
 
 impl<'a, const D: usize> Contacting<'a, D> {
-    fn pair(&self) -> Result<Paired<D>, Error<D>> {
+    fn pair(&self) -> Result<Condition<D>, Error<D>> {
         let coupling = match &self.contact.law {
             Law::Frictionless => Coupling::Normal,
             Law::Tied => Coupling::Tied,
@@ -250,7 +140,11 @@ impl<'a, const D: usize> Contacting<'a, D> {
     }
 
     /// Of two sides the one that is to carry the multipliers, or the other, where that is as good and has no slivers.
-    fn chosen(&self, sides: &'a [SideRef; 2], coupling: Coupling) -> Result<Paired<D>, Error<D>> {
+    fn chosen(
+        &self,
+        sides: &'a [SideRef; 2],
+        coupling: Coupling,
+    ) -> Result<Condition<D>, Error<D>> {
         let ends = sides.each_ref().map(|side| self.end(side));
         let first = chosen(ends).map_err(|source| self.fail(source))?;
         let with = |first: usize| {
@@ -258,7 +152,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             self.paired(&sides[first], opposite, coupling)
         };
         let paired = with(first)?;
-        let slivers = |paired: &Paired<D>| paired.interface.nodes.iter().any(|n| n.is_sliver());
+        let slivers = |paired: &Condition<D>| paired.interface.nodes.iter().any(|n| n.is_sliver());
         let either = || either_may(ends).map_err(|source| self.fail(source));
         if !slivers(&paired) || !either()? {
             return Ok(paired);
@@ -276,7 +170,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         nonmortar: &'a SideRef,
         opposite: Opposite<'a, D>,
         coupling: Coupling,
-    ) -> Result<Paired<D>, Error<D>> {
+    ) -> Result<Condition<D>, Error<D>> {
         let fail = |source| self.fail(source);
         let whole = self.end(nonmortar);
         // a tie holds both faces of a corner by one condition
@@ -437,16 +331,19 @@ impl<'a, const D: usize> Contacting<'a, D> {
         end: End<'_, D>,
         (obstacle, corners): (&Obstacle<D>, &Corners<D>),
         coupling: Coupling,
-    ) -> Result<Paired<D>, Error<D>> {
+    ) -> Result<Condition<D>, Error<D>> {
         let against = Against::Obstacle(&obstacle.shape, driven(obstacle));
         let interface = self.obstacle(end, (obstacle, corners), coupling);
         let samples = self.samples(end, against, InitialGap::Measured);
         let obstacle_motion = obstacle_motion(self.contact, self.time)?;
         let interface = interface.map_err(|source| self.fail(source))?;
-        Ok(Paired {
-            opposite: obstacle_part(self.model, self.contact),
-            obstacle_motion,
-            samples: samples.map_err(|source| self.fail(source))?,
+        Ok(Condition {
+            opposite: self.at.1,
+            touch: Touch {
+                obstacle_motion,
+                samples: samples.map_err(|source| self.fail(source))?,
+                ..Touch::default()
+            },
             ..self.bare(nonmortar, interface)
         })
     }
@@ -481,7 +378,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         [nonmortar, mortar]: [&'a SideRef; 2],
         end: End<'_, D>,
         coupling: Coupling,
-    ) -> Result<Paired<D>, ContactError> {
+    ) -> Result<Condition<D>, ContactError> {
         let ends = [end, self.end(mortar)];
         let conforming = self.conforming(ends, coupling)?;
         let against = Against::Side(ends[1]);
@@ -534,21 +431,29 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 self.contact.name
             ));
         }
-        Ok(Paired {
+        Ok(Condition {
             mortar: Some(mortar.clone()),
             opposite: Some(mortar.body.0),
-            samples,
-            finer,
-            missed: crude,
+            touch: Touch {
+                samples,
+                finer,
+                missed: crude,
+                ..Touch::default()
+            },
             warnings,
             ..self.bare(nonmortar, interface)
         })
     }
 
     /// The contact with rows, and what else there is of it still to be told.
-    fn bare(&self, nonmortar: &SideRef, interface: Interface<D>) -> Paired<D> {
+    fn bare(&self, nonmortar: &SideRef, interface: Interface<D>) -> Condition<D> {
         let name = self.contact.name.clone();
-        Paired::new(Kind::Contact, name, nonmortar.clone(), interface)
+        Condition::new(
+            Source::Contact(self.at.0),
+            name,
+            nonmortar.clone(),
+            interface,
+        )
     }
 
     /// The interface of coincident nodes, where that is what is wanted and possible: a partial overlap of matching sides is

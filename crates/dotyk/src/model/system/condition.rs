@@ -1,6 +1,14 @@
-//! What two sides are once they are paired: rows, gaps and what else there is of a contact, a couple or a link.
+//! Conditions: what holds parts together, each with rows of B on two or more of them, gaps, and what its forces may be.
+//!
+//! ```text
+//!   gap = g₀ − Σ B_part u_part,        λ = offset + μ,  μ ∈ Λ of its blocks
+//! ```
+//!
+//! Contacts (`contact.rs`), couples (`couple.rs`), and beds and bars (`links.rs`) are made in files of their own; all that
+//! stands behind them knows rows, gaps and blocks alone.
 
 use crate::contact::{Interface, InterfaceNode, Role, Row, Sample};
+use crate::dual::Block;
 use crate::fem::CoupleKind;
 use crate::geometry::{Field, Point, add_scaled, dot, sub};
 use crate::model::nouns::error::Error;
@@ -11,35 +19,78 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What sides are paired for.
+/// Whose a condition is, by places in the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
-    /// They touch.
-    Contact,
-    /// A side moves with a point.
-    Couple(CoupleKind),
-    /// A spring that only presses, by its place among those of the body.
-    Bed(usize),
-    /// A bar, by its place.
+pub(crate) enum Source {
+    /// Of a contact.
+    Contact(usize),
+    /// Of a couple of a body: a side moves with a point.
+    Couple(usize, usize, CoupleKind),
+    /// Of a spring of a body that only presses.
+    Bed(usize, usize),
+    /// Of a bar.
     Bar(usize),
 }
 
-/// One contact, couple or link of the model, paired.
-pub(crate) struct Paired<const D: usize> {
-    /// What it is.
-    pub kind: Kind,
+impl Source {
+    /// Its kind, in a word.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::Contact(_) => "contact",
+            Self::Couple(..) => "couple",
+            Self::Bed(..) => "bed",
+            Self::Bar(_) => "bar",
+        }
+    }
+}
+
+/// What holds parts together.
+pub(crate) struct Condition<const D: usize> {
+    /// Whose it is.
+    pub source: Source,
     /// Its name; of a couple "BODY.POINT", of a bed "spring of BODY.SIDE".
     pub name: String,
     /// Side that carries the multipliers.
     pub nonmortar: SideRef,
-    /// The other side; `None` for an obstacle or a point.
+    /// The other side; `None` for an obstacle, a point or a link.
     pub mortar: Option<SideRef>,
-    /// The part that the rows of `interface.mortar` act on: a body, a free obstacle, a point, or the part of a link.
+    /// The part that the rows of `interface.mortar` act on: a body, a free obstacle, a point, or what gives way in a link.
     pub opposite: Option<usize>,
-    /// Prescribed displacement of the obstacle; zero where it is free.
-    pub obstacle_motion: [f64; D],
+    /// Rows on further parts.
+    pub further: Vec<(usize, Vec<Row<D>>)>,
     /// Rows, gaps and weights.
     pub interface: Interface<D>,
+    /// What each of its nodes can bear; `None`: anything. Those of a contact bear what its law and a time tell (`admissible.rs`).
+    pub law: Option<Block>,
+    /// Where the forces of the problem count from: minus what a whole joint bears in tension, the middle of what a bar bears.
+    pub offset: Vec<f64>,
+    /// B u_a (m of the condition,), what the rows of a link came with; nothing of others.
+    pub came_with: Vec<f64>,
+    /// Forces at nodes of bodies besides those of rows, while a bar is tightened: body, node, force.
+    pub steady: Vec<(usize, usize, Point<D>)>,
+    /// What gives way in it is a part of its own.
+    pub elastic: Option<Elastic<D>>,
+    /// Where its rows are, if not at nodes.
+    pub places: Vec<Point<D>>,
+    /// What else there is of the sides of a contact.
+    pub touch: Touch<D>,
+    /// What the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// A part that gives way in a link, by nodes.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Elastic<const D: usize> {
+    /// Stiffness of each dof; 0 is held.
+    pub stiffness: Vec<[f64; D]>,
+    /// Load of each dof.
+    pub load: Vec<[f64; D]>,
+}
+
+/// What there is of the sides of a contact besides their rows.
+pub(crate) struct Touch<const D: usize> {
+    /// Prescribed displacement of the obstacle; zero where it is free.
+    pub obstacle_motion: [f64; D],
     /// Points between the nodes that face something, for each facet of the nonmortar side.
     pub samples: Vec<Vec<Sample<D>>>,
     /// Those of facets with a node that takes no part: nothing keeps them apart.
@@ -48,11 +99,6 @@ pub(crate) struct Paired<const D: usize> {
     pub fit: Fit<D>,
     /// Where its sides were when its stage began: slip counts from there, and what was apart there is bonded to nothing.
     pub began: Fit<D>,
-    /// What else there is of a link.
-    pub link: Link<D>,
-    /// Where the forces of the problem count from, λ = offset + μ: minus what a whole joint bears in tension, the middle of what a
-    /// bar bears.
-    pub offset: Vec<f64>,
     /// By node, whether a joint has parted or slipped there.
     pub lost: Vec<bool>,
     /// How far the measured gaps are off because polygons stand for curves, at nodes of the nonmortar and of the mortar side.
@@ -61,8 +107,22 @@ pub(crate) struct Paired<const D: usize> {
     pub sharers: Vec<Sharer>,
     /// Its multipliers are finer than the softer side, which then need not tell their forces apart.
     pub finer: bool,
-    /// What the user should know.
-    pub warnings: Vec<String>,
+}
+
+impl<const D: usize> Default for Touch<D> {
+    fn default() -> Self {
+        Self {
+            obstacle_motion: [0.0; D],
+            samples: Vec::new(),
+            left_out: Vec::new(),
+            fit: Fit::default(),
+            began: Fit::default(),
+            lost: Vec::new(),
+            missed: Default::default(),
+            sharers: Vec::new(),
+            finer: false,
+        }
+    }
 }
 
 /// Displacements (nodes,) of the two sides of a contact at some moment; `None` of one that was not there.
@@ -117,46 +177,50 @@ impl<const D: usize> Fit<D> {
     }
 }
 
-impl<const D: usize> Paired<D> {
+impl<const D: usize> Condition<D> {
     /// Rows of a side and of nothing else that anybody has told.
-    pub fn new(kind: Kind, name: String, nonmortar: SideRef, interface: Interface<D>) -> Self {
+    pub fn new(source: Source, name: String, nonmortar: SideRef, interface: Interface<D>) -> Self {
         Self {
-            kind,
+            source,
             name,
             nonmortar,
             mortar: None,
             opposite: None,
-            obstacle_motion: [0.0; D],
+            further: Vec::new(),
             interface,
-            samples: Vec::new(),
-            left_out: Vec::new(),
-            fit: Fit::default(),
-            began: Fit::default(),
-            link: Link::default(),
+            law: None,
             offset: Vec::new(),
-            lost: Vec::new(),
-            missed: Default::default(),
-            sharers: Vec::new(),
-            finer: false,
+            came_with: Vec::new(),
+            steady: Vec::new(),
+            elastic: None,
+            places: Vec::new(),
+            touch: Touch::default(),
             warnings: Vec::new(),
         }
     }
 
     /// As messages call it.
     pub fn called(&self) -> String {
-        let kind = match self.kind {
-            Kind::Contact => "contact",
-            Kind::Couple(CoupleKind::Rigid) => "rigid couple",
-            Kind::Couple(CoupleKind::Average) => "average couple",
-            Kind::Bed(_) => return self.name.clone(),
-            Kind::Bar(_) => "bar",
+        let kind = match self.source {
+            Source::Couple(.., CoupleKind::Rigid) => "rigid couple",
+            Source::Couple(.., CoupleKind::Average) => "average couple",
+            Source::Bed(..) => return self.name.clone(),
+            Source::Contact(_) | Source::Bar(_) => self.source.kind(),
         };
         format!("{kind} \"{}\"", self.name)
     }
 
-    /// It has an elastic part of its own.
-    pub fn is_link(&self) -> bool {
-        matches!(self.kind, Kind::Bed(_) | Kind::Bar(_))
+    /// The contact of the model that it is of.
+    pub fn contact(&self) -> Option<usize> {
+        match self.source {
+            Source::Contact(index) => Some(index),
+            _ => None,
+        }
+    }
+
+    /// That contact itself.
+    pub fn contact_of<'a>(&self, model: &'a Model<D>) -> Option<&'a Contact<D>> {
+        self.contact().map(|index| &model.contacts[index])
     }
 
     /// All of the forces of its rows, of those of the problem (m,) in these.
@@ -168,15 +232,18 @@ impl<const D: usize> Paired<D> {
 
     /// Whether the gap of each row is a slip: a force that is bounded does work on it, and it counts from step to step.
     pub fn slides(&self) -> Vec<bool> {
-        match self.link.yields {
-            true => vec![true; self.interface.nonmortar.len()],
-            false => self.interface.tangential(),
+        match self.contact() {
+            Some(_) => self.interface.tangential(),
+            None => {
+                let yields = matches!(self.law, Some(Block::Interval { .. }));
+                vec![yields; self.interface.nonmortar.len()]
+            }
         }
     }
 
     /// Where a node of its interface is, undeformed; `points` are those of the nonmortar body.
     pub fn place(&self, node: usize, points: &[Point<D>]) -> Point<D> {
-        let own = self.link.places.get(node).copied();
+        let own = self.places.get(node).copied();
         own.unwrap_or_else(|| points[self.interface.nodes[node].node])
     }
 
@@ -184,7 +251,7 @@ impl<const D: usize> Paired<D> {
     pub fn ends(&self) -> impl Iterator<Item = (usize, &[Row<D>])> {
         let own = (self.nonmortar.body.0, &self.interface.nonmortar[..]);
         let opposite = self.opposite.map(|part| (part, &self.interface.mortar[..]));
-        let further = self.link.further.iter();
+        let further = self.further.iter();
         let further = further.map(|(part, rows)| (*part, &rows[..]));
         std::iter::once(own).chain(opposite).chain(further)
     }
@@ -192,8 +259,8 @@ impl<const D: usize> Paired<D> {
     /// This part of a contact and another one.
     pub fn followed_by(mut self, further: Self) -> Self {
         self.interface.append(further.interface);
-        self.samples.extend(further.samples);
-        for (missed, more) in self.missed.iter_mut().zip(further.missed) {
+        self.touch.samples.extend(further.touch.samples);
+        for (missed, more) in self.touch.missed.iter_mut().zip(further.touch.missed) {
             for (node, more) in more {
                 let most = missed.entry(node).or_default();
                 *most = most.max(more);
@@ -214,7 +281,7 @@ impl<const D: usize> Paired<D> {
         let coordinates = nodes.flat_map(|node| points[node.node]);
         let rounding = NO_GAP * coordinates.fold(0.0, |s: f64, x| s.max(x.abs()));
         self.interface.settle(rounding);
-        let samples = self.samples.iter_mut().flatten();
+        let samples = self.touch.samples.iter_mut().flatten();
         let none = samples.filter(|sample| sample.at.gap.abs() <= rounding);
         none.for_each(|sample| sample.at.gap = 0.0);
     }
@@ -222,10 +289,10 @@ impl<const D: usize> Paired<D> {
     /// Leaves nodes out, and what lies between them and their neighbours.
     pub fn exclude(&mut self, out: &BTreeSet<usize>) {
         self.interface.exclude(out);
-        for samples in &mut self.samples {
+        for samples in &mut self.touch.samples {
             let nodes = samples.iter().flat_map(|sample| &sample.at.own);
             if nodes.into_iter().any(|(node, _)| out.contains(node)) {
-                self.left_out.append(samples);
+                self.touch.left_out.append(samples);
             }
         }
     }
@@ -249,13 +316,13 @@ impl<const D: usize> Paired<D> {
         let mut gaps = self.interface.gaps();
         let rows = self.interface.nonmortar.iter().zip(&self.interface.mortar);
         for (gap, (own, other)) in gaps.iter_mut().zip(rows) {
-            *gap += self.fit.along(own, other);
+            *gap += self.touch.fit.along(own, other);
         }
-        let came_with = gaps.iter_mut().zip(&self.link.came_with);
+        let came_with = gaps.iter_mut().zip(&self.came_with);
         came_with.for_each(|(gap, came)| *gap += came);
         if self.mortar.is_none() {
             for (gap, row) in gaps.iter_mut().zip(&self.interface.mortar) {
-                let along = row.iter().map(|(_, c)| dot(*c, self.obstacle_motion));
+                let along = row.iter().map(|(_, c)| dot(*c, self.touch.obstacle_motion));
                 *gap -= along.sum::<f64>();
             }
         }
@@ -267,7 +334,7 @@ impl<const D: usize> Paired<D> {
     pub fn moved_before(&self, row: usize) -> f64 {
         let [own, other] =
             [&self.interface.nonmortar, &self.interface.mortar].map(|rows| &rows[row]);
-        self.began.along(own, other) - self.fit.along(own, other)
+        self.touch.began.along(own, other) - self.touch.fit.along(own, other)
     }
 }
 
@@ -297,28 +364,36 @@ pub(crate) fn obstacle_motion<const D: usize>(
     Ok(motion)
 }
 
-/// Every contact, then every couple, with the range of its rows among those of all.
+/// Every condition with the range of its rows among those of all.
 pub(crate) fn row_ranges<const D: usize>(
-    paired: &[Paired<D>],
-) -> impl Iterator<Item = (Range<usize>, &Paired<D>)> {
+    conditions: &[Condition<D>],
+) -> impl Iterator<Item = (Range<usize>, &Condition<D>)> {
     let mut start = 0;
-    paired.iter().map(move |pair| {
-        let rows = start..start + pair.interface.nonmortar.len();
+    conditions.iter().map(move |condition| {
+        let rows = start..start + condition.interface.nonmortar.len();
         start = rows.end;
-        (rows, pair)
+        (rows, condition)
     })
 }
 
+/// The contacts among the conditions, with their places and rows: others have no sides that could overlap.
+pub(crate) fn contact_rows<const D: usize>(
+    conditions: &[Condition<D>],
+) -> impl Iterator<Item = (usize, (Range<usize>, &Condition<D>))> {
+    let all = row_ranges(conditions);
+    all.filter_map(|(rows, condition)| Some((condition.contact()?, (rows, condition))))
+}
+
 /// The gaps g₀ of all multipliers; in tangential rows the motion of a rigid obstacle.
-pub(crate) fn initial_gaps<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
-    paired.iter().flat_map(Paired::gaps).collect()
+pub(crate) fn initial_gaps<const D: usize>(conditions: &[Condition<D>]) -> Vec<f64> {
+    conditions.iter().flat_map(Condition::gaps).collect()
 }
 
 /// The same without shears: how far it is to what may hold a body; infinite in tangential rows, whose gap is a slip.
-pub(crate) fn clearances<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
-    let of_pair = |pair: &Paired<D>| {
-        let both = pair.gaps().into_iter().zip(pair.slides());
-        let far = |(gap, slides)| match (pair.is_link(), slides) {
+pub(crate) fn clearances<const D: usize>(conditions: &[Condition<D>]) -> Vec<f64> {
+    let of_condition = |condition: &Condition<D>| {
+        let both = condition.gaps().into_iter().zip(condition.slides());
+        let far = |(gap, slides)| match (condition.elastic.is_some(), slides) {
             // a link is there already
             (true, _) => 0.0,
             (false, true) => f64::INFINITY,
@@ -326,21 +401,25 @@ pub(crate) fn clearances<const D: usize>(paired: &[Paired<D>]) -> Vec<f64> {
         };
         both.map(far).collect::<Vec<_>>()
     };
-    paired.iter().flat_map(of_pair).collect()
+    conditions.iter().flat_map(of_condition).collect()
 }
 
 /// Contact or couple and undeformed position of every multiplier.
 pub(crate) fn carriers<const D: usize>(
     model: &Model<D>,
-    paired: &[Paired<D>],
+    conditions: &[Condition<D>],
 ) -> Vec<(usize, [f64; D])> {
-    let each = paired.iter().enumerate().flat_map(|(contact, pair)| {
-        let points = model.bodies[pair.nonmortar.body.0].mesh.points();
-        let rows = |node: &InterfaceNode<D>| node.rows.iter().flatten().count();
-        let carriers = pair.interface.nodes.iter().enumerate();
-        let carriers = carriers.filter(|(_, node)| node.role == Role::Multiplier);
-        carriers.flat_map(move |(k, node)| vec![(contact, pair.place(k, points)); rows(node)])
-    });
+    let each = conditions
+        .iter()
+        .enumerate()
+        .flat_map(|(contact, condition)| {
+            let points = model.bodies[condition.nonmortar.body.0].mesh.points();
+            let rows = |node: &InterfaceNode<D>| node.rows.iter().flatten().count();
+            let carriers = condition.interface.nodes.iter().enumerate();
+            let carriers = carriers.filter(|(_, node)| node.role == Role::Multiplier);
+            carriers
+                .flat_map(move |(k, node)| vec![(contact, condition.place(k, points)); rows(node)])
+        });
     each.collect()
 }
 
@@ -354,42 +433,6 @@ pub(crate) fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
         _ => false,
     };
     moved || varying_gap(contact).is_some()
-}
-
-/// What links have besides an interface between two parts.
-#[derive(Debug, Clone)]
-pub(crate) struct Link<const D: usize> {
-    /// Rows on further bodies.
-    pub further: Vec<(usize, Vec<Row<D>>)>,
-    /// B u_a (m of the link,): what its rows came with.
-    pub came_with: Vec<f64>,
-    /// Forces at nodes of bodies while a bar is tightened: body, node, force.
-    pub steady: Vec<(usize, usize, Point<D>)>,
-    /// Stiffness of each dof of its part, (nodes of the part, D); 0 is held.
-    pub stiffness: Vec<[f64; D]>,
-    /// Load of its part.
-    pub load: Vec<[f64; D]>,
-    /// Bars in the thickness of the model.
-    pub count: f64,
-    /// Its gaps are plastic elongations: slips.
-    pub yields: bool,
-    /// Where its rows are, if not at nodes.
-    pub places: Vec<Point<D>>,
-}
-
-impl<const D: usize> Default for Link<D> {
-    fn default() -> Self {
-        Self {
-            further: Vec::new(),
-            came_with: Vec::new(),
-            steady: Vec::new(),
-            stiffness: Vec::new(),
-            load: Vec::new(),
-            count: 1.0,
-            yields: false,
-            places: Vec::new(),
-        }
-    }
 }
 
 /// What a contact has of a node whose multiplier another one carries.

@@ -1,0 +1,62 @@
+//! All conditions of a stage, in one order: contacts, then what holds the parts that are no bodies, in the order of these.
+
+use crate::fem::Constraints;
+use crate::model::nouns::error::Error;
+use crate::model::nouns::model::Model;
+use crate::model::nouns::presence::Stage;
+use crate::model::system::bars::lay_bars;
+use crate::model::system::condition::{Condition, Source};
+use crate::model::system::contact::{contact_gaps, touching};
+use crate::model::system::couple::{check_held, coupling};
+use crate::model::system::links::{barred, bedded};
+use crate::model::system::parts::{Owner, Parts};
+use rayon::prelude::*;
+
+/// Those of a stage, with the gaps at a time.
+///
+/// Errors: sides that cannot be paired; bars that cannot be laid.
+pub(crate) fn all_conditions<const D: usize>(
+    stage: &Stage<'_, D>,
+    constraints: &[&Constraints<D>],
+    time: f64,
+) -> Result<Vec<Condition<D>>, Error<D>> {
+    let model = stage.model.as_ref();
+    let parts = Parts::of(model);
+    let contacts = (0..model.contacts.len()).into_par_iter();
+    let contacts = contacts.map(|index| touching((model, &parts), constraints, index, time));
+    let mut conditions = contacts.collect::<Result<Vec<_>, _>>()?;
+    let laid = lay_bars(model)?;
+    for (part, owner) in parts.iter() {
+        conditions.push(match owner {
+            // contacts hold these
+            Owner::Body(_) | Owner::Obstacle(_) => continue,
+            Owner::Point(of, place) => coupling(model, constraints[of], ((of, place), part), time)?,
+            Owner::Bed(of, place) => bedded(model, (of, place), part)?,
+            Owner::Bar(place) => barred(stage, (place, &laid[place]), part),
+        });
+    }
+    Ok(conditions)
+}
+
+/// Takes the gaps and the motion of obstacles at another time; rows, weights and roles stay.
+///
+/// Errors: values that are not finite; a support that says something else than that of a point.
+pub(crate) fn take_gaps<const D: usize>(
+    model: &Model<D>,
+    constraints: &[&Constraints<D>],
+    conditions: &mut [Condition<D>],
+    time: f64,
+) -> Result<(), Error<D>> {
+    let take = |condition: &mut Condition<D>| match condition.source {
+        Source::Contact(index) => contact_gaps(model, constraints, (index, condition), time),
+        Source::Couple(of, place, _) => check_held(
+            model,
+            constraints[of],
+            (of, place),
+            &condition.interface,
+            time,
+        ),
+        Source::Bed(..) | Source::Bar(_) => Ok(()),
+    };
+    conditions.par_iter_mut().try_for_each(take)
+}
