@@ -302,16 +302,24 @@ fn a_tube_collapses_where_theory_says() {
 fn cells_that_cannot_flow_bear_no_load() {
     let limit = 2.0f64.ln() * 2.0 / 3.0f64.sqrt();
     for (cell, count, factor) in [
-        (CellKind::Quad8, 4, 1.05),
         (CellKind::Quad8, 4, 1.94),
-        (CellKind::Quad9, 7, 1.02),
-        (CellKind::Quad9, 7, 2.4),
-        (CellKind::Tri6, 5, 1.05),
+        (CellKind::Quad9, 5, 1.02),
+        (CellKind::Quad9, 5, 2.4),
         (CellKind::Tri6, 8, 1.74),
-        (CellKind::Tri6, 11, 2.4),
     ] {
-        let solved = quarter(cell, count, 0.0, &[factor * limit]).solve();
-        let Err(Error::NotConverged { reason, .. }) = solved else {
+        let mut model = quarter(cell, count, 0.0, &[factor * limit]);
+        // what moves beside it does not make the load a prescribed motion
+        let rectangle = Rectangle {
+            from: [5.0, 0.0],
+            to: [6.0, 1.0],
+            cells: [1, 1],
+            cell: CellKind::Quad4,
+            diagonals: Diagonals::default(),
+        };
+        let beside = model.body("beside", rectangle.build().unwrap(), STEEL);
+        model.roller(beside, "left", 0.0);
+        model.roller(beside, "bottom", 0.01);
+        let Err(Error::NotConverged { reason, .. }) = model.solve() else {
             panic!("{cell:?}: {factor} of the limit is carried");
         };
         let Objection::Yields { carried, .. } = *reason else {

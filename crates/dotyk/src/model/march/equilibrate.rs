@@ -16,15 +16,15 @@
 
 use crate::dual::OfYield;
 use crate::fem::{FemError, Increment, Yielded};
-use crate::geometry::{Point, norm, sub};
+use crate::geometry::{Point, dot, norm, sub};
 use crate::model::march::attempt::{Attempt, Start, certified_attempt, run};
 use crate::model::march::judge::Judged;
 use crate::model::nouns::error::{Error, Objection};
 use crate::model::nouns::event::Event;
 use crate::model::nouns::model::{Body, Model};
-use crate::model::system::bodies::LoadedBody;
 use crate::model::system::condense::{Condensed, assume, go_part};
-use crate::model::system::condition::Condition;
+use crate::model::system::condition::contact_rows;
+use crate::model::system::displaced::Displaced;
 use crate::model::system::recover::elastic_displacement;
 use crate::model::system::state::AllYielded;
 use crate::solve::{Anderson, Outcome};
@@ -40,6 +40,9 @@ const NARROW: f64 = 1e-3;
 
 /// What is left unbalanced where the accelerated steps end, of what may be: the judge has still to solve once more.
 const BELOW: f64 = 0.1;
+
+/// Bodies flow by themselves, and are not driven, where prescribed motion does no more than this part of the work that they dissipate.
+const DRIVEN: f64 = 0.1;
 
 /// Displacements that strain each body, (D·n,), in the frames of its nodes.
 type Strained = Vec<Vec<f64>>;
@@ -62,6 +65,8 @@ pub(crate) fn equilibrate<const D: usize>(
         let left = turns.left(model, condensed, &judged.displaced.strained)?;
         let size = turns.size(model, condensed, &judged.displaced.strained)?;
         let balanced = left <= model.solver.tolerance * size;
+        let lambda = &attempt.outcome.multipliers.lambda;
+        turns.driven = prescribed_work(condensed, &judged.displaced, lambda);
         let held = turns.held_by_cells(model, condensed, &judged.displaced.strained)?;
         if balanced && !held {
             break;
@@ -94,6 +99,8 @@ struct Turns {
     began: Vec<Option<Yielded>>,
     /// Elastic problems that have been solved.
     done: usize,
+    /// Work that prescribed motion does in the step.
+    driven: f64,
 }
 
 impl Turns {
@@ -110,6 +117,7 @@ impl Turns {
         Ok(Self {
             began: began.collect::<Result<_, _>>()?,
             done: 0,
+            driven: 0.0,
         })
     }
 
@@ -191,24 +199,17 @@ impl Turns {
         Ok(largest(done.into_iter().flatten().map(|own| own.force)))
     }
 
-    /// Loads that no prescribed motion goes with are borne by what cells cannot do: see [`Increment::flow`].
+    /// Loads are borne by what cells cannot do, see [`Increment::flow`]: loads, and not prescribed motion, which may go as far as it
+    /// will.
     fn held_by_cells<const D: usize>(
         &self,
         model: &Model<D>,
         condensed: &Condensed<D>,
         strained: &Strained,
     ) -> Result<bool, Error<D>> {
-        let moves = |part: &LoadedBody<D>| {
-            let system = &part.system;
-            system.lift.iter().chain(&system.carried).any(|u| *u != 0.0)
-        };
-        let driven = |own: &Condition<D>| own.touch.obstacle_motion != [0.0; D];
-        if condensed.bodies.iter().any(moves) || condensed.conditions.iter().any(driven) {
-            return Ok(false);
-        }
         let done = self.done(model, condensed, strained)?;
-        let mut done = done.into_iter().flatten();
-        Ok(done.any(|own| own.flow.is_held_by_cells()))
+        let mut held = done.into_iter().flatten().map(|own| own.flow);
+        Ok(held.any(|flow| flow.is_held_by_cells() && self.driven <= DRIVEN * flow.dissipated))
     }
 
     /// Accelerated steps from some displacements, until little is left unbalanced or no step can be made; the displacements then,
@@ -345,6 +346,45 @@ impl Turns {
         }
         Ok(())
     }
+}
+
+/// Work that prescribed motion of supports, points and obstacles has done since the last step, under forces `lambda` (m,); that of points
+/// since the first one.
+fn prescribed_work<const D: usize>(
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    lambda: &[f64],
+) -> f64 {
+    let mut work = 0.0;
+    for (body, state) in displaced.states.iter().enumerate() {
+        let before = condensed.state.displacement(body);
+        for (node, (force, u)) in state.reactions.iter().zip(&state.u).enumerate() {
+            let then = before.map_or([0.0; D], |u| u[node]);
+            work += dot(*force, sub(*u, then));
+        }
+    }
+    let parts = condensed.bodies.iter().enumerate();
+    for (part, loaded) in parts.skip(displaced.states.len()) {
+        let mut rest: Vec<f64> = loaded.system.load.iter().map(|f| -f).collect();
+        loaded.rows.add_forces(1.0, lambda, &mut rest);
+        let held = rest.iter().zip(&loaded.system.held);
+        let moved = displaced.nodes(part).as_flattened().iter();
+        let held = held.zip(moved).filter(|((_, held), _)| **held);
+        work += held.map(|((force, _), u)| force * u).sum::<f64>();
+    }
+    let contacts = contact_rows(&condensed.conditions);
+    let prescribed =
+        contacts.filter(|(_, (_, own))| own.mortar.is_none() && own.opposite.is_none());
+    for (_, (rows, condition)) in prescribed {
+        let motion = condition.touch.obstacle_motion;
+        let then = condensed.state.obstacle(&condition.name);
+        let motion = sub(motion, then.unwrap_or([0.0; D]));
+        for (row, force) in condition.interface.mortar.iter().zip(&lambda[rows]) {
+            let along = row.iter().map(|(_, c)| dot(*c, motion));
+            work += force * along.sum::<f64>();
+        }
+    }
+    work
 }
 
 /// The largest of some numbers ≥ 0; zero where there is none.

@@ -310,6 +310,16 @@ impl<const D: usize> State<D> {
         there.map(|body| self.yielded[body].clone()).collect()
     }
 
+    /// Displacements of a body of the stage after the last step; `None` before the first one and of a body that comes.
+    pub fn displacement(&self, body: usize) -> Option<&[Point<D>]> {
+        self.moved[*self.whole().get(body)?].as_deref()
+    }
+
+    /// How far the obstacle of a contact had moved then.
+    pub fn obstacle(&self, contact: &str) -> Option<Point<D>> {
+        self.obstacles.get(contact).copied()
+    }
+
     /// Work that the friction of a contact has dissipated.
     pub fn dissipated(&self, contact: &str) -> f64 {
         let record = self.records.get(contact);
