@@ -49,7 +49,12 @@ impl<const D: usize> Case<D> {
                 earlier: mut steps,
             }) => {
                 let mut failure = failed(&steps, reason.to_string(), None);
-                if let Objection::Yields { carried, .. } = *reason {
+                if let Objection::Yields {
+                    carried,
+                    driven: false,
+                    ..
+                } = *reason
+                {
                     failure.carried = carried;
                 }
                 steps.push(*solution);

@@ -16,6 +16,9 @@
 //! to itself, ε_p = R(ε(u(ε_p))). The increment minimises a convex energy whose stiffness is at most C, so that u ← u(R(ε(u))) is
 //! a descent that never overshoots; it is accelerated (`model/march/equilibrate.rs`).
 //!
+//! Cells that flow resist a part of their change of volume alone (`volume.rs`). What only cells hold, and no material, is told by works
+//! and energies of the flow.
+//!
 //! Components xx yy zz xy yz xz, tensorial, elongation positive; with axial symmetry zz is the hoop component.
 //! Source: as described in J. C. Simo and T. J. R. Hughes, Computational Inelasticity, chapters 2 and 3.
 
@@ -93,7 +96,8 @@ pub(crate) struct Flow {
 }
 
 impl Flow {
-    /// A body that flows this much more than it is sheared elastically has become a mechanism.
+    /// A body that flows this much more than it is sheared elastically has become a mechanism: perfect tubes reach 7 to 21 at 0.999
+    /// of their collapse load, and 25 to 70 at 0.9999, with b/a of 1.3 to 3 and ν of 0.1 and 0.3.
     const FAR: f64 = 50.0;
 
     /// Hardening below this part of the yield stress stops none.

@@ -63,18 +63,22 @@ pub(crate) fn equilibrate<const D: usize>(
     let mut turns = Turns::new(model, condensed)?;
     while attempt.failure.is_none() {
         let left = turns.left(model, condensed, &judged.displaced.strained)?;
-        let size = turns.size(model, condensed, &judged.displaced.strained)?;
-        let balanced = left <= model.solver.tolerance * size;
-        let lambda = &attempt.outcome.multipliers.lambda;
-        turns.driven = prescribed_work(condensed, &judged.displaced, lambda);
-        let held = turns.held_by_cells(model, condensed, &judged.displaced.strained)?;
-        if balanced && !held {
+        let done = turns.increments(model, condensed, &judged.displaced.strained)?;
+        let balanced = left <= model.solver.tolerance * size(&done);
+        let held = balanced && held_by_cells(&done);
+        if held || turns.done >= MOST {
+            let lambda = &attempt.outcome.multipliers.lambda;
+            let work = prescribed_work(condensed, &judged.displaced, lambda);
+            turns.driven = work > DRIVEN * dissipated(&done);
+        }
+        if balanced && (!held || turns.driven) {
             break;
         }
         if balanced || turns.done >= MOST {
             let start = (judged.displaced.strained.clone(), &attempt, from);
             attempt.failure = Some(Objection::Yields {
                 turns: (!balanced).then_some(MOST),
+                driven: turns.driven,
                 carried: turns.carried(model, condensed, start)?,
             });
             break;
@@ -99,8 +103,8 @@ struct Turns {
     began: Vec<Option<Yielded>>,
     /// Elastic problems that have been solved.
     done: usize,
-    /// Work that prescribed motion does in the step.
-    driven: f64,
+    /// Prescribed motion makes the bodies flow, and may go as far as it will.
+    driven: bool,
 }
 
 impl Turns {
@@ -117,7 +121,7 @@ impl Turns {
         Ok(Self {
             began: began.collect::<Result<_, _>>()?,
             done: 0,
-            driven: 0.0,
+            driven: false,
         })
     }
 
@@ -174,7 +178,7 @@ impl Turns {
     }
 
     /// What has been done since the step began, of each body that may yield.
-    fn done<const D: usize>(
+    fn increments<const D: usize>(
         &self,
         model: &Model<D>,
         condensed: &Condensed<D>,
@@ -188,30 +192,6 @@ impl Turns {
         })
     }
 
-    /// The largest force of a cell on a node.
-    fn size<const D: usize>(
-        &self,
-        model: &Model<D>,
-        condensed: &Condensed<D>,
-        strained: &Strained,
-    ) -> Result<f64, Error<D>> {
-        let done = self.done(model, condensed, strained)?;
-        Ok(largest(done.into_iter().flatten().map(|own| own.force)))
-    }
-
-    /// Loads are borne by what cells cannot do, see [`Increment::flow`]: loads, and not prescribed motion, which may go as far as it
-    /// will.
-    fn held_by_cells<const D: usize>(
-        &self,
-        model: &Model<D>,
-        condensed: &Condensed<D>,
-        strained: &Strained,
-    ) -> Result<bool, Error<D>> {
-        let done = self.done(model, condensed, strained)?;
-        let mut held = done.into_iter().flatten().map(|own| own.flow);
-        Ok(held.any(|flow| flow.is_held_by_cells() && self.driven <= DRIVEN * flow.dissipated))
-    }
-
     /// Accelerated steps from some displacements, until little is left unbalanced or no step can be made; the displacements then,
     /// and the bodies carry the plastic strain of the last step.
     fn settle<const D: usize>(
@@ -222,7 +202,7 @@ impl Turns {
         observe: &mut dyn FnMut(Event),
     ) -> Result<(Strained, Attempt<D>), Error<D>> {
         let mut anderson = Anderson::default();
-        let size = self.size(model, condensed, &state)?;
+        let size = size(&self.increments(model, condensed, &state)?);
         while self.done < MOST {
             self.done += 1;
             assume(model, condensed, self.returned(model, condensed, &state)?)?;
@@ -290,8 +270,12 @@ impl Turns {
             };
             let from_here = (state.clone(), begun, from);
             let (found, ended) = self.settle(model, condensed, from_here, &mut |_| {})?;
-            let found_it = ended.failure.is_none() && self.done < MOST;
-            match found_it && !self.held_by_cells(model, condensed, &found)? {
+            let settled = ended.failure.is_none() && self.done < MOST;
+            let held = || {
+                let done = self.increments(model, condensed, &found)?;
+                Ok(!self.driven && held_by_cells(&done))
+            };
+            match settled && !held()? {
                 true => (low, state) = (share, found),
                 false => high = share,
             }
@@ -311,7 +295,7 @@ impl Turns {
         judged: &mut Judged<D>,
     ) -> Result<(), Error<D>> {
         let strained = &judged.displaced.strained;
-        let done = self.done(model, condensed, strained)?;
+        let done = self.increments(model, condensed, strained)?;
         let left = self.each(model, condensed, strained, |index, _, _| {
             let system = &condensed.bodies[index].system;
             let mut rest = judged.displaced.states[index].total.clone();
@@ -348,6 +332,22 @@ impl Turns {
     }
 }
 
+/// The largest force of a cell on a node.
+fn size<const D: usize>(done: &[Option<Increment<D>>]) -> f64 {
+    largest(done.iter().flatten().map(|own| own.force))
+}
+
+/// Some body is held by what its cells cannot do: see [`Increment::flow`].
+fn held_by_cells<const D: usize>(done: &[Option<Increment<D>>]) -> bool {
+    let mut flows = done.iter().flatten().map(|own| own.flow);
+    flows.any(|flow| flow.is_held_by_cells())
+}
+
+/// The work that all bodies dissipate.
+fn dissipated<const D: usize>(done: &[Option<Increment<D>>]) -> f64 {
+    done.iter().flatten().map(|own| own.flow.dissipated).sum()
+}
+
 /// Work that prescribed motion of supports, points and obstacles has done since the last step, under forces `lambda` (m,); that of points
 /// since the first one.
 fn prescribed_work<const D: usize>(
@@ -356,8 +356,8 @@ fn prescribed_work<const D: usize>(
     lambda: &[f64],
 ) -> f64 {
     let mut work = 0.0;
-    for (body, state) in displaced.states.iter().enumerate() {
-        let before = condensed.state.displacement(body);
+    let before = condensed.state.displacements();
+    for (state, before) in displaced.states.iter().zip(before) {
         for (node, (force, u)) in state.reactions.iter().zip(&state.u).enumerate() {
             let then = before.map_or([0.0; D], |u| u[node]);
             work += dot(*force, sub(*u, then));
@@ -365,12 +365,9 @@ fn prescribed_work<const D: usize>(
     }
     let parts = condensed.bodies.iter().enumerate();
     for (part, loaded) in parts.skip(displaced.states.len()) {
-        let mut rest: Vec<f64> = loaded.system.load.iter().map(|f| -f).collect();
-        loaded.rows.add_forces(1.0, lambda, &mut rest);
-        let held = rest.iter().zip(&loaded.system.held);
         let moved = displaced.nodes(part).as_flattened().iter();
-        let held = held.zip(moved).filter(|((_, held), _)| **held);
-        work += held.map(|((force, _), u)| force * u).sum::<f64>();
+        let held = loaded.held_forces(lambda).into_iter().zip(moved);
+        work += held.map(|(force, u)| force * u).sum::<f64>();
     }
     let contacts = contact_rows(&condensed.conditions);
     let prescribed =

@@ -447,11 +447,14 @@ pub enum Objection<const D: usize> {
         /// Where a deformed body stands in another one, if farther than it may.
         intrusion: Option<Box<Intrusion<D>>>,
     },
-    /// Loss of equilibrium: the load is more than what bodies can bear that yield.
+    /// Loss of equilibrium: the load is more than what bodies can bear that yield; or what yields did not settle where motion is
+    /// prescribed.
     Yields {
         /// Elastic problems in which none was found; `None`: one was found in which cells hold what the material does not, because they
         /// cannot flow at constant volume.
         turns: Option<usize>,
+        /// Prescribed motion does a good part of the work: it may go as far as it will, and nothing is lost.
+        driven: bool,
         /// The part of the step that they can bear, from what acted before it in a straight line; `None` where that is not known.
         carried: Option<f64>,
     },
@@ -624,7 +627,25 @@ impl<const D: usize> fmt::Display for Objection<D> {
                     }
                 )
             }
-            Self::Yields { turns, carried } => {
+            Self::Yields {
+                turns: Some(turns),
+                driven: true,
+                carried,
+            } => {
+                write!(
+                    f,
+                    "what yields under prescribed motion did not settle in {turns} elastic problems"
+                )?;
+                match carried {
+                    Some(part) => write!(
+                        f,
+                        ": it does up to {} of the step; go there in more steps",
+                        Short(*part)
+                    ),
+                    None => write!(f, ": go there in more steps"),
+                }
+            }
+            Self::Yields { turns, carried, .. } => {
                 write!(
                     f,
                     "loss of equilibrium: what yields does not bear the load, "

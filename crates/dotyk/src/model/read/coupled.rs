@@ -53,9 +53,6 @@ pub(crate) fn couple_solutions<const D: usize>(
 
 /// Force of the supports ON a point.
 fn reaction<const D: usize>(condensed: &Condensed<D>, part: usize, lambda: &[f64]) -> Point<D> {
-    let loaded = &condensed.bodies[part];
-    let mut rest: Vec<f64> = loaded.system.load.iter().map(|f| -f).collect();
-    loaded.rows.add_forces(1.0, lambda, &mut rest);
-    let held = |i: usize| if loaded.system.held[i] { rest[i] } else { 0.0 };
-    std::array::from_fn(held)
+    let forces = condensed.bodies[part].held_forces(lambda);
+    std::array::from_fn(|i| forces[i])
 }

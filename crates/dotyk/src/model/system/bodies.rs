@@ -52,6 +52,16 @@ pub(crate) struct LoadedBody<const D: usize> {
 }
 
 impl<const D: usize> LoadedBody<D> {
+    /// Forces of the supports ON the dofs of a rigid part, under forces `lambda` (m,); zero at those that nothing holds.
+    pub fn held_forces(&self, lambda: &[f64]) -> Vec<f64> {
+        let mut forces: Vec<f64> = self.system.load.iter().map(|f| -f).collect();
+        self.rows.add_forces(1.0, lambda, &mut forces);
+        let free = forces.iter_mut().zip(&self.system.held);
+        free.filter(|(_, held)| !**held)
+            .for_each(|(force, _)| *force = 0.0);
+        forces
+    }
+
     /// Something of it has yielded, as far as its load knows.
     pub fn flows(&self) -> bool {
         self.system.history.yielded.is_some()

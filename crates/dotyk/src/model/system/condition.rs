@@ -1,11 +1,11 @@
 //! Conditions: what holds parts together, each with rows of B on two or more of them, gaps, and what its forces may be.
 //!
 //! ```text
-//!   gap = g₀ − Σ B_part u_part,        λ = offset + μ,  μ ∈ Λ of its blocks
+//!   gap = g₀ − Σ B_part u_part,        λ = offset + μ,  μ ∈ Λ of its law
 //! ```
 //!
-//! Contacts (`contact.rs`), couples (`couple.rs`), and beds and bars (`links.rs`) are made in files of their own; all that
-//! stands behind them knows rows, gaps and blocks alone.
+//! Contacts (`contact.rs`), couples (`couple.rs`), and beds and bars (`links.rs`) are made in files of their own; what
+//! stands behind them knows rows, gaps and laws, and asks for the source where it gives an answer back.
 
 use crate::contact::{Interface, InterfaceNode, Role, Row, Sample};
 use crate::dual::Block;

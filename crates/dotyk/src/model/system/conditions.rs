@@ -58,5 +58,7 @@ pub(crate) fn take_gaps<const D: usize>(
         ),
         Source::Bed(..) | Source::Bar(_) => Ok(()),
     };
-    conditions.par_iter_mut().try_for_each(take)
+    let taken: Vec<_> = conditions.par_iter_mut().map(take).collect();
+    // of several errors the first one, whatever thread was faster
+    taken.into_iter().collect()
 }

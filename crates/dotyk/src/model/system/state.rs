@@ -310,9 +310,10 @@ impl<const D: usize> State<D> {
         there.map(|body| self.yielded[body].clone()).collect()
     }
 
-    /// Displacements of a body of the stage after the last step; `None` before the first one and of a body that comes.
-    pub fn displacement(&self, body: usize) -> Option<&[Point<D>]> {
-        self.moved[*self.whole().get(body)?].as_deref()
+    /// Displacements of each body of the stage after the last step; `None` before the first one and of a body that comes.
+    pub fn displacements(&self) -> Vec<Option<&[Point<D>]>> {
+        let there = self.whole().into_iter();
+        there.map(|body| self.moved[body].as_deref()).collect()
     }
 
     /// How far the obstacle of a contact had moved then.
