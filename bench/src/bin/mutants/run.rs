@@ -89,7 +89,7 @@ fn numbers(text: &str) -> Vec<usize> {
 
 /// The tests of the tier, built: those inside the library, and those of the suite that begin with none of these words.
 pub fn tests(folder: &Path, left_out: &[&str]) -> Result<Vec<Test>, String> {
-    let arguments = "test --release --no-run -p dotyk --lib --test suite";
+    let arguments = "test --release --no-run -p dotyk -p dotyk-unit --test unit --test suite";
     let arguments: Vec<&str> = arguments.split(' ').collect();
     let (built, messages) = cargo(folder, &arguments)?;
     if !built {
@@ -104,12 +104,12 @@ pub fn tests(folder: &Path, left_out: &[&str]) -> Result<Vec<Test>, String> {
             .args(["--list", "--format", "terse"])
             .output();
         let list = list.map_err(|error| format!("{}: {error}", binary.display()))?;
-        let library = message["target"]["kind"][0] == "lib";
+        let inside = message["target"]["name"] == "unit";
         for name in String::from_utf8_lossy(&list.stdout).lines() {
             let Some(name) = name.strip_suffix(": test") else {
                 continue;
             };
-            if library || !left_out.iter().any(|word| name.starts_with(word)) {
+            if inside || !left_out.iter().any(|word| name.starts_with(word)) {
                 tests.push(Test {
                     binary: binary.clone(),
                     name: name.to_string(),

@@ -1009,7 +1009,7 @@ fn a_file_that_cannot_be_read_is_named() {
     assert!(
         error.to_string().contains("no-such.toml") && error.to_string().contains("no such file")
     );
-    let error = Case::<2>::read(Path::new("src")).unwrap_err();
+    let error = Case::<2>::read(Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap_err();
     assert!(error.message.contains("folder"));
 }
 

@@ -459,7 +459,6 @@ fn timings<const D: usize>(run: &Overview<'_, D>) -> Markup {
 mod tests {
     use super::*;
     use crate::dual::Figure;
-    use crate::mesh::CellKind;
     use crate::output::tunnel;
 
     #[test]
@@ -496,14 +495,6 @@ mod tests {
         let page = page(&tunnel::run(&model, &solution));
         assert!(page.contains("✗ Not converged") && page.contains("energy gap (relative 10⁻¹"));
         assert!(!page.contains("✓ Certified"));
-    }
-
-    #[test]
-    fn page_of_a_hundred_thousand_cells_is_small() {
-        let model = tunnel::model(500, [20, 180], CellKind::Quad4);
-        let solution = model.solve().unwrap();
-        let page = page(&tunnel::run(&model, &solution));
-        assert!(page.len() < 5_000_000, "{} bytes", page.len());
     }
 
     #[test]

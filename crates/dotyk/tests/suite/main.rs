@@ -27,6 +27,7 @@ mod names;
 mod norms;
 mod outline;
 mod own;
+mod pages;
 mod past;
 mod patch;
 mod points;

@@ -1,14 +1,13 @@
-//! Known geometry, colours of known values, the same bytes, size and time.
+//! Known geometry, colours of known values, the same bytes, and their number.
 
 use super::*;
 use crate::geometry::Field;
 use crate::mesh::{CellKind, Cuboid, Mesh};
-use crate::model::{Borders, Couple, CoupleKind, Elastic, Law, Model, Status};
+use crate::model::{Borders, Couple, CoupleKind, Elastic, Law, Model};
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Paint};
 use crate::output::space::skin::{Look, Skin, shade};
 use crate::output::{Record, colour, report};
-use std::time::Instant;
 
 pub const STEEL: Elastic = Elastic {
     young: 210e3,
@@ -214,39 +213,7 @@ fn the_pages_of_a_model_in_space_show_it() {
 }
 
 #[test]
-fn of_many_contacts_those_that_bear_most_are_drawn_and_the_page_says_so() {
-    let (mut model, mut solution) = punch();
-    for k in 1..9 {
-        let mut contact = model.contacts[0].clone();
-        contact.name = format!("sole{k}");
-        model.contacts.push(contact);
-        let mut solved = solution.contacts[0].clone();
-        solved.name = format!("sole{k}");
-        // the one that bears most is glued
-        solved.resultant[2] *= 1.0 + f64::from(k);
-        if k == 8 {
-            solved
-                .nodes
-                .iter_mut()
-                .for_each(|n| n.status = Status::Tied);
-        }
-        solution.contacts.push(solved);
-    }
-    let scene = Scene::new(&model);
-    let drawn = |i: &usize| !contact_figure(&scene, &solution, *i).is_empty();
-    let list: Vec<usize> = (0..9).filter(drawn).collect();
-    assert_eq!(list, [2, 3, 4, 5, 6, 7]);
-    let steps = [solution];
-    let page = report::page(&Record::of(&model, &steps, "punch").overview().unwrap());
-    assert!(
-        page.contains(
-            "Pictures show the 6 contacts that bear most, tied ones last; of the other 3"
-        )
-    );
-}
-
-#[test]
-fn a_hundred_thousand_triangles_are_small_and_quick() {
+fn a_hundred_thousand_triangles_are_small() {
     let (small, mut solution) = punch();
     let mut model = Model::new();
     let plate = cuboid([0.0; 3], [2.0, 1.0, 0.02], [224, 111, 1], CellKind::Hex8);
@@ -263,10 +230,6 @@ fn a_hundred_thousand_triangles_are_small_and_quick() {
     assert!(triangles > 100_000, "{triangles}");
     let view = turning::turning_view(&scene, &solution);
     assert!(view.len() < 2_000_000, "{}", view.len());
-    // two pictures; the machine may be busy
-    let start = Instant::now();
     let figure = stress::stress_figure(&scene, &solution);
-    let spent = start.elapsed().as_secs_f64();
-    assert!(spent < 4.0, "{spent}");
     assert!(figure.len() < 3_000_000, "{}", figure.len());
 }
