@@ -96,7 +96,7 @@ pub fn weld(model: &Model<2>) -> Result<Body<2>, String> {
     let mesh = Mesh::new(points, blocks).and_then(|mesh| mesh.with_sides(sides));
     Ok(Body {
         name: "tied".to_string(),
-        mesh: mesh.map_err(|error| error.to_string())?,
+        mesh: mesh.map_err(|error| error.to_string())?.into(),
         materials: [first, second].into_iter().flat_map(materials).collect(),
         thickness: first.thickness,
         body_force: first.body_force.clone(),

@@ -78,7 +78,7 @@ where
     let formulation = formulation.map(|node| node.choice("formulation", &FORMULATIONS));
     Ok(Body {
         name: body_name,
-        mesh,
+        mesh: mesh.into(),
         materials,
         formulation: formulation.transpose()?.unwrap_or_default(),
         thickness,

@@ -14,6 +14,7 @@ use crate::geometry::Field;
 use crate::model::{
     Body, BodyId, Contact, Gap, Law, Motion, Obstacle, Pair, Pairing, Place, Rigid, SideRef,
 };
+use std::sync::Arc;
 
 const PAIRINGS: [(&str, Pairing); 2] = [
     ("node-to-node", Pairing::NodeToNode),
@@ -254,7 +255,7 @@ pub(crate) fn side_ref<const D: usize>(
     let Body { name, mesh, .. } = &mut bodies[body];
     Ok(SideRef {
         body: BodyId(body),
-        side: joined(&sides, &node.span, name, mesh)?,
+        side: joined(&sides, &node.span, name, Arc::make_mut(mesh))?,
     })
 }
 

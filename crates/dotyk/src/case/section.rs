@@ -6,6 +6,7 @@ use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::place;
 use crate::model::{Body, BodyId, Capacity, Reinforcement, Section, SectionError, Stations};
+use std::sync::Arc;
 
 /// Most stations: each is a row for each step.
 const MOST_STATIONS: usize = 10_000;
@@ -34,7 +35,7 @@ pub(crate) fn section<const D: usize>(
     };
     let mut side_of = |node: &Node| {
         let Body { name, mesh, .. } = &mut bodies[body];
-        side(node, name, mesh)
+        side(node, name, Arc::make_mut(mesh))
     };
     let sides = [side_of(first)?, side_of(second)?];
     let stations_node = table.require("stations", &what)?;

@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn the_four_faces_of_a_plate_are_parts_in_the_order_of_the_chain() {
         let mesh = plate([0.0, 0.0], [3.0, 1.0], [4, 2]).mesh;
-        let mesh = mesh.with_side("all", |[x, y]| {
+        let mesh = Mesh::clone(&mesh).with_side("all", |[x, y]| {
             [x, 3.0 - x, y, 1.0 - y].into_iter().any(|c| c.abs() < 1e-9)
         });
         let (body, parts) = parts(mesh, "all");
@@ -228,7 +228,7 @@ mod tests {
                     [2.0 * c, 2.0 * s],
                 ];
                 let mesh = wall(&points, 4.0, cell).mesh;
-                let (body, parts) = parts(mesh, "bottom");
+                let (body, parts) = parts(Mesh::clone(&mesh), "bottom");
                 assert_eq!(parts.len(), count, "{angle}");
                 let whole = body.mesh.side("bottom").unwrap();
                 let all: Vec<Facet> = parts.into_iter().flatten().collect();
@@ -239,11 +239,11 @@ mod tests {
 
     #[test]
     fn a_smooth_side_stays_whole() {
-        let (body, found) = parts(ring([0.0, 0.0], [1.0, 2.0], 12).mesh, "outer");
+        let (body, found) = parts(Mesh::clone(&ring([0.0, 0.0], [1.0, 2.0], 12).mesh), "outer");
         assert_eq!(found, [body.mesh.side("outer").unwrap()]);
         // so do two faces that do not touch
         let mesh = plate([0.0, 0.0], [3.0, 1.0], [4, 2]).mesh;
-        let mesh = mesh.with_side("both", |[_, y]| y * (1.0 - y) < 1e-9);
+        let mesh = Mesh::clone(&mesh).with_side("both", |[_, y]| y * (1.0 - y) < 1e-9);
         let (body, found) = parts(mesh, "both");
         assert_eq!(found, [body.mesh.side("both").unwrap()]);
     }

@@ -127,7 +127,7 @@ pub(super) mod tests {
         };
         Body {
             name: "body".to_string(),
-            mesh,
+            mesh: mesh.into(),
             materials: vec![Material {
                 group: None,
                 elastic,

@@ -1343,7 +1343,7 @@ mod tests {
             ring([0.0, 0.0], [1.0, 2.0], 12),
             ring([0.0, 0.0], [2.1, 3.0], 17),
         );
-        inner.mesh = inner.mesh.with_side("both", |_| true);
+        inner.mesh = Mesh::clone(&inner.mesh).with_side("both", |_| true).into();
         let free = Constraints::default();
         let pair = |nonmortar: End<'_, 2>| {
             let against = Against::Side(end(&outer, "inner", &free));
@@ -1473,7 +1473,7 @@ mod tests {
         };
         let sized = |mut body: Body<3>, size: f64, away: f64| {
             let place = |x: Point<3>| x.map(|c| size * c + away);
-            body.mesh = body.mesh.map_points(place).unwrap();
+            body.mesh = Mesh::clone(&body.mesh).map_points(place).unwrap().into();
             body
         };
         for own in [CellKind::Hex8, CellKind::Hex20, CellKind::Tet10] {
@@ -1558,7 +1558,7 @@ mod tests {
                     let level = |[x, y, z]: Point<3>| {
                         [x, y, z - (0.15 * x * x + 0.1 * x * y - 0.05 * y * y)]
                     };
-                    body.mesh = body.mesh.map_points(level).unwrap();
+                    body.mesh = Mesh::clone(&body.mesh).map_points(level).unwrap().into();
                     body
                 };
                 let upper = flat(own, [3, 4, 1], [0.25, 1.0], 0.0);

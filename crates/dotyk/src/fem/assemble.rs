@@ -418,6 +418,12 @@ impl<const D: usize> BodySystem<D> {
         self.frames.extend(frames);
     }
 
+    /// Whether frames of nodes have been turned.
+    pub(crate) fn is_turned(&self) -> bool {
+        let held = &self.constraints.nodes;
+        !self.frames.keys().all(|node| held.contains_key(node))
+    }
+
     /// Rotates a vector of global components (D·n,) into the node frames.
     pub fn to_frames(&self, vector: &mut [f64]) {
         into_frames(&self.frames, vector);

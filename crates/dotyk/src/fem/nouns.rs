@@ -200,8 +200,8 @@ impl Part {
 pub struct Body<const D: usize> {
     /// Unique name.
     pub name: String,
-    /// Its mesh with named sides.
-    pub mesh: Mesh<D>,
+    /// Its mesh with named sides, which copies of it share.
+    pub mesh: Arc<Mesh<D>>,
     /// One material for all cells, or one per cell group.
     pub materials: Vec<Material>,
     /// How its cells are made.

@@ -41,7 +41,7 @@ const PLANES: [Analysis; 3] = [
 pub(super) fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
     Body {
         name: "block".to_string(),
-        mesh,
+        mesh: mesh.into(),
         materials: vec![Material {
             group: None,
             elastic: ELASTIC,
@@ -1102,7 +1102,7 @@ fn loads_and_supports_that_are_no_numbers_are_named() {
     );
     starts(
         told(|b| {
-            b.mesh = b.mesh.clone().with_side("lid", |_| false);
+            b.mesh = Mesh::clone(&b.mesh).with_side("lid", |_| false).into();
             b.loads = vec![traction("lid", constants([1.0, 0.0]))];
         }),
         "side \"lid\" has no facets",

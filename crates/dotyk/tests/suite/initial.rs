@@ -188,7 +188,7 @@ fn untouched_ground_does_not_move_whatever_its_vertical() {
     let (s, c) = 0.7f64.sin_cos();
     let (mut model, body) = tunnel(CellKind::Quad9, Analysis::PlaneStrain, [0.6, 0.4]);
     let turned = half_ring(CellKind::Quad9).map_points(|[x, y]| [c * x - s * y, s * x + c * y]);
-    model.bodies[0].mesh = turned.unwrap();
+    model.bodies[0].mesh = turned.unwrap().into();
     model.bodies[0].supports.clear();
     model.bodies[0].body_force = [s * WEIGHT, -c * WEIGHT].map(Field::constant);
     model.bodies[0].initial = at_rest_along([-s, c], [0.6, 0.4]);

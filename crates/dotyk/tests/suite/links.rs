@@ -323,12 +323,12 @@ fn bedded_ring(cell: &str, n: usize, dp: f64, more: &str) -> Model<2> {
 /// The same with its nodes at other angles, so that no two facets are alike, and without a word of what its sides are.
 fn uneven(mut model: Model<2>, oval: f64) -> Model<2> {
     let body = &mut model.bodies[0];
-    let moved = body.mesh.clone().map_points(|[x, y]| {
+    let moved = dotyk::mesh::Mesh::clone(&body.mesh).map_points(|[x, y]| {
         let (r, a) = (x.hypot(y), y.atan2(x));
         let a = a + 0.2 * (2.0 * a).sin() * a.cos();
         [(1.0 + oval) * r * a.cos(), r * a.sin()]
     });
-    body.mesh = moved.unwrap();
+    body.mesh = moved.unwrap().into();
     model
 }
 

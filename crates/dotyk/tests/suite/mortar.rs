@@ -296,11 +296,9 @@ fn a_circle_may_spin_whatever_the_two_polygons_are() {
 fn gaps_are_measured_between_true_circles() {
     // Clearance of 1e-3 between circles of radius 2 and 2 − 1e-3; the polygons overlap by more than that.
     let mut model = two_rings(CellKind::Quad4, [20, 26], None);
-    model.bodies[1].mesh = model.bodies[1]
-        .mesh
-        .clone()
-        .map_points(|p| p.map(|c| c * (1.0 - 1e-3 / 2.0)))
-        .unwrap();
+    let smaller =
+        Mesh::clone(&model.bodies[1].mesh).map_points(|p| p.map(|c| c * (1.0 - 1e-3 / 2.0)));
+    model.bodies[1].mesh = smaller.unwrap().into();
     let smallest = |model: &Model<2>| model.check().contacts[0].clearance;
     let crude = smallest(&model);
     assert!((crude - 1e-3).abs() > 1e-4, "{crude}");

@@ -511,7 +511,10 @@ fn turned_and_mirrored_bodies_have_the_same_forces() {
         };
         let mut model = original.clone();
         let body = &mut model.bodies[0];
-        body.mesh = body.mesh.clone().map_points(map).unwrap();
+        body.mesh = dotyk::mesh::Mesh::clone(&body.mesh)
+            .map_points(map)
+            .unwrap()
+            .into();
         let [fx, fy] = map([2.0, -5.0]);
         body.loads.clear();
         let force = [fx, fy].map(dotyk::geometry::Field::constant);

@@ -355,9 +355,12 @@ fn patches_are_constant_where_facets_are_no_parallelograms() {
 fn facets_that_differ_are_refused_where_nodes_are_asked_for() {
     // a shifted box: no node has a partner
     let mut shifted = Stack::of(CellKind::Hex8).model();
-    let along = shifted.bodies[1].mesh.clone();
+    let along = Mesh::clone(&shifted.bodies[1].mesh);
     let shift = turned(&rotation([0.4, -0.7, 1.1]), [0.1, 0.0, 0.0]);
-    shifted.bodies[1].mesh = along.map_points(|x| add_scaled(x, 1.0, shift)).unwrap();
+    shifted.bodies[1].mesh = along
+        .map_points(|x| add_scaled(x, 1.0, shift))
+        .unwrap()
+        .into();
     shifted.contacts[0].pairing = Some(Pairing::NodeToNode);
     let said = shifted.solve().unwrap_err().to_string();
     assert!(said.contains("coincides with none of its nodes"), "{said}");

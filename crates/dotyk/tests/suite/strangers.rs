@@ -109,7 +109,9 @@ fn called<const D: usize>(mut model: Model<D>, word: &str) -> Model<D> {
     model.parameters = vec![(own("parameter"), 2.0)];
     model.step_names = vec![own("first"), own("second")];
     let top = |p: Point<D>| p[D - 1] == 1.0;
-    model.bodies[0].mesh = model.bodies[0].mesh.clone().with_side(word, top);
+    model.bodies[0].mesh = dotyk::mesh::Mesh::clone(&model.bodies[0].mesh)
+        .with_side(word, top)
+        .into();
     let pressure = Field::function(word, |_, _| 2.0);
     let side = "top".to_string();
     model.bodies[1]

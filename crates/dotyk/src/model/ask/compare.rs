@@ -9,7 +9,7 @@ use crate::model::nouns::model::{Method, Model};
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::DENSE_LIMIT;
-use crate::model::system::condense::{Condensed, assemble};
+use crate::model::system::condense::{Condensed, linearise};
 use crate::model::system::state::State;
 use crate::solve::{SAFE_STEP, SolveError};
 use std::sync::Arc;
@@ -85,7 +85,7 @@ pub(crate) fn compare_steps<const D: usize>(
         let natural = run_method(
             &varied,
             &bench.condensed,
-            (method, model.solver.tolerance),
+            (method, model.solver.tolerance, 0),
             None,
             &mut |_| {},
         )?;
@@ -124,15 +124,15 @@ impl<const D: usize> Bench<D> {
             }
             false => {
                 let from = (last, Arc::new(State::new(model, last, false)));
-                let assembled = assemble(&Stage::whole(model), from, None, observe)?;
-                let condensed = assembled.condense(model, DENSE_LIMIT, observe)?;
+                let (stage, anew) = (Stage::whole(model), (None, DENSE_LIMIT));
+                let (condensed, ()) = linearise(&stage, from, anew, |_, _| Ok(()), observe)?;
                 (model.clone(), condensed)
             }
         };
         let newton = run_method(
             &stage,
             &condensed,
-            (Method::Newton, model.solver.tolerance),
+            (Method::Newton, model.solver.tolerance, 0),
             None,
             &mut |_| {},
         )?;
@@ -154,7 +154,7 @@ impl<const D: usize> Bench<D> {
         let attempt = run_method(
             model,
             &self.condensed,
-            (method, model.solver.tolerance),
+            (method, model.solver.tolerance, 0),
             None,
             observe,
         )?;

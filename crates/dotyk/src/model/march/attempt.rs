@@ -108,7 +108,8 @@ pub(crate) fn certified_attempt<const D: usize>(
     let exact = matches!(method, Method::Auto | Method::Newton);
     let crowd = condensed.problem.is_crowd();
     if exact && attempt.unfinished() && !crowd && condensed.problem.assemble(ASSEMBLED) {
-        let again = run_method(model, condensed, (method, tolerance), guess, observe)?;
+        let how = (method, tolerance, attempt.outcome.iterations);
+        let again = run_method(model, condensed, how, guess, observe)?;
         attempt = attempt.followed_by(again);
     }
     let mut judged = judge(model, condensed, &attempt.outcome, None)?;
@@ -130,7 +131,7 @@ pub(crate) fn run<const D: usize>(
     match own {
         Some(own) => run_solver(model, condensed, &Foreign(own), guess, &mut |_| {}, observe),
         None => {
-            let how = (model.solver.method, model.solver.tolerance);
+            let how = (model.solver.method, model.solver.tolerance, 0);
             run_method(model, condensed, how, guess, observe)
         }
     }
@@ -145,13 +146,14 @@ fn corrected<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
     let solved = attempt.outcome.iterations > 0;
+    let most = model.solver.max_iterations.unwrap_or(usize::MAX);
     let mut least = excess(&judged.certificate);
     let mut best = (attempt.outcome, judged);
     // the last one, where it is not the best
     let mut last: Option<(Outcome, Judged<D>)> = None;
     for _ in 0..CORRECTIONS {
         let (outcome, judged) = last.as_ref().unwrap_or(&best);
-        if least <= 1.0 || !solved {
+        if least <= 1.0 || !solved || outcome.iterations >= most {
             break;
         }
         let known = (&judged.displaced.gaps[..], &judged.displaced.rounding[..]);
@@ -219,8 +221,8 @@ fn continued<const D: usize>(
         for ((d, gap), known) in shift.zip(&judged.displaced.gaps).zip(&known) {
             *d -= gap - known;
         }
-        let method = (model.solver.method, tolerance);
-        let further = run_method(model, condensed, method, Some(&guess), observe)?;
+        let how = (model.solver.method, tolerance, attempt.outcome.iterations);
+        let further = run_method(model, condensed, how, Some(&guess), observe)?;
         if further.failure.is_some() {
             break;
         }
@@ -244,30 +246,29 @@ fn excess(certificate: &Certificate) -> f64 {
         )
 }
 
-/// Runs one method to a tolerance on the condensed problem; failing to converge is not yet an error.
+/// Runs one method to a tolerance on the condensed problem, with what is left of the iterations that the model allows when so many are
+/// done; failing to converge is not yet an error.
 pub(crate) fn run_method<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    (method, tolerance): (Method, f64),
+    (method, tolerance, done): (Method, f64, usize),
     guess: Option<&Multipliers>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<Attempt<D>, Error<D>> {
-    let solver = solver(model, condensed, method, tolerance)?;
-    if !matches!(method, Method::Auto | Method::Newton) {
-        return run_solver(
-            model,
-            condensed,
-            solver.as_ref(),
-            guess,
-            &mut |_| {},
-            observe,
-        );
-    }
+    let most = model.solver.max_iterations;
+    let left = most.map(|most| most.saturating_sub(done));
+    let solver = solver(model, condensed, method, (tolerance, left))?;
+    let exact = matches!(method, Method::Auto | Method::Newton);
     let mut unrest = Unrest::default();
     let mut look = |iterate: &Iterate<'_>| unrest.look_at(iterate);
     let solver = solver.as_ref();
     let mut attempt = run_solver(model, condensed, solver, guess, &mut look, observe)?;
-    if attempt.failure.is_none() {
+    if let (Some(Objection::Unsettled { reason, .. }), Some(most)) = (&mut attempt.failure, most)
+        && done + attempt.outcome.iterations >= most
+    {
+        *reason += &format!("; `max_iterations` allows {most}");
+    }
+    if exact && attempt.failure.is_none() {
         let remark = unrest.remark(model, &condensed.conditions, attempt.outcome.iterations);
         attempt.outcome.remarks.extend(remark);
     }
@@ -411,9 +412,8 @@ fn solver<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
     method: Method,
-    tolerance: f64,
+    (tolerance, most): (f64, Option<usize>),
 ) -> Result<Box<dyn ContactSolver>, Error<D>> {
-    let most = model.solver.max_iterations;
     let rho = model.solver.rho;
     Ok(match method {
         Method::Auto | Method::Newton => limited(Newton::default(), tolerance, most),
@@ -486,7 +486,7 @@ mod tests {
     use crate::mesh::{CellKind, Diagonals, Rectangle};
     use crate::model::nouns::model::{CoupleKind, Elastic, Law};
     use crate::model::nouns::presence::Stage;
-    use crate::model::system::condense::assemble;
+    use crate::model::system::condense::linearise;
     use crate::model::system::state::State;
     use std::sync::Arc;
 
@@ -509,9 +509,10 @@ mod tests {
         couple.displacement = [0.0, -1e-3].map(|u| Some(Field::constant(u)));
         let floor = model.obstacle((body, "bottom"), Field::constant(0.0));
         floor.law = Law::Coulomb(Field::constant(0.2));
-        let state = Arc::new(State::new(&model, 1.0, false));
-        let assembled = assemble(&Stage::whole(&model), (1.0, state), None, &mut |_| {}).unwrap();
-        let condensed = assembled.condense(&model, ASSEMBLED, &mut |_| {}).unwrap();
+        let from = (1.0, Arc::new(State::new(&model, 1.0, false)));
+        let (stage, anew) = (Stage::whole(&model), (None, ASSEMBLED));
+        let made = linearise(&stage, from, anew, |_, _| Ok(()), &mut |_| {});
+        let (condensed, ()) = made.unwrap();
         let rows = condensed.gaps.len();
         for (row, named) in [
             (0, "contact \"contact_1\""),

@@ -16,13 +16,13 @@ use crate::model::nouns::error::{Error, Objection};
 use crate::model::nouns::event::{Event, Lap};
 use crate::model::nouns::model::{Law, Model};
 use crate::model::nouns::presence::Stage;
-use crate::model::nouns::solution::{Seconds, Solution};
+use crate::model::nouns::solution::Solution;
 use crate::model::nouns::told::told_once;
 use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
-use crate::model::system::condense::{Condensed, advance, again, assemble};
-use crate::model::system::condition::{Source, row_ranges};
+use crate::model::system::condense::{Condensed, again, linearise};
+use crate::model::system::condition::{Condition, Source, row_ranges};
 use crate::model::system::state::State;
 use crate::solve::ContactSolver;
 use std::mem::take;
@@ -57,16 +57,13 @@ pub(crate) fn solve_steps<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<Vec<Solution<D>>, Error<D>> {
     check_past(model, given.past)?;
-    // what is there at the end is not what was at the beginning
-    let staged = model.is_staged();
-    let mut reuse = reuse.take().filter(|_| !staged);
     let mut march = March {
-        here: reuse.as_mut().and_then(|reuse| reuse.take(model)),
-        ..March::new(staged, DENSE_LIMIT)
+        here: reuse.as_mut().and_then(|reuse| reuse.kept.take()),
+        ..March::new(model.is_staged(), DENSE_LIMIT)
     };
     let solved = march.solve(model, given, observe);
-    if let (Some(reuse), Some((condensed, view))) = (reuse, march.here) {
-        reuse.kept = Some((model.clone(), condensed, view));
+    if let Some(reuse) = reuse {
+        reuse.kept = march.here;
     }
     solved.map(|()| march.done)
 }
@@ -195,27 +192,13 @@ impl<'m, const D: usize> March<'m, D> {
             .stage
             .insert(stage.unwrap_or_else(|| state.stage(model)));
         let (goes_on, from) = (state.goes_on(), (time, Arc::new(state)));
-        match self.here.take() {
-            // the same stage, be it of a model that was solved before
-            Some((mut here, view)) if !begins || !goes_on => {
-                let view = match goes_on {
-                    true => view,
-                    false => {
-                        here.seconds = Seconds::default();
-                        view.of_same(stage, &here.conditions)?
-                    }
-                };
-                Ok((advance(&stage.model, here, from, observe)?, view))
-            }
-            last => {
-                let last = last.map(|(last, _)| last);
-                let assembled = assemble(stage, from, last, observe)?;
-                // what it is looked at with is asked for before anything is factored
-                let view = View::new(stage, &assembled.conditions)?;
-                let condensed = assembled.condense(&stage.model, self.dense_limit, observe)?;
-                Ok((condensed, view))
-            }
-        }
+        let (before, view) = self.here.take().unzip();
+        let look = |conditions: &[Condition<D>], same| match view.filter(|_| same) {
+            Some(view) if goes_on => Ok(view),
+            Some(view) => view.of_same(stage, conditions),
+            None => View::new(stage, conditions),
+        };
+        linearise(stage, from, (before, self.dense_limit), look, observe)
     }
 }
 

@@ -7,6 +7,7 @@ use crate::model::nouns::model::*;
 use crate::model::nouns::quantity::{Quantity, QuantityError};
 use crate::model::nouns::section::{Section, Stations};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 impl<const D: usize> Default for Model<D> {
     fn default() -> Self {
@@ -39,10 +40,10 @@ impl<const D: usize> Model<D> {
     }
 
     /// Adds a body of one material.
-    pub fn body(&mut self, name: &str, mesh: Mesh<D>, elastic: Elastic) -> BodyId {
+    pub fn body(&mut self, name: &str, mesh: impl Into<Arc<Mesh<D>>>, elastic: Elastic) -> BodyId {
         self.bodies.push(Body {
             name: name.to_string(),
-            mesh,
+            mesh: mesh.into(),
             materials: vec![Material {
                 group: None,
                 elastic,

@@ -4,9 +4,10 @@
 //!   F = B K⁺ Bᵀ,        d = B (u_D + K⁺(f − K u_D)) − g₀,        G = RᵀBᵀ,  e = Rᵀf
 //! ```
 //!
-//! A load step takes loads, prescribed displacements and gaps anew, which changes d and e alone: stiffness, factors, pairs
-//! and F are made once. A stage, in which something has come or gone, is condensed anew from what bodies that go on keep:
-//! stiffness, order and factor.
+//! [`linearise`] makes it in layers, and finds by their keys (`key.rs`) those that were made before: a load step takes loads,
+//! prescribed displacements and gaps anew, which changes d and e alone, while stiffness, factors, pairs and F are made once. A stage,
+//! in which something has come or gone, and a model that differs in some body, is connected and condensed anew from what bodies
+//! that are the same keep: stiffness, order and factor.
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
@@ -30,39 +31,16 @@ use crate::model::system::drive::{complete, driven};
 use crate::model::system::factor::{FactoredBody, Ordered, factor, order};
 use crate::model::system::floating::Floating;
 use crate::model::system::joints::restore;
+use crate::model::system::key::{same_conditions, same_stiffness};
 use crate::model::system::memory::{self, Demand};
 use crate::model::system::state::{AllYielded, State};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::mem::take;
 use std::sync::Arc;
 
 /// Overlaps that are all below this part of the displacements they are differences of mean nothing.
 const ROUNDING: f64 = 1e-12;
-
-/// A body that goes on from one stage to the next, with the same supports.
-struct Kept<const D: usize> {
-    system: BodySystem<D>,
-    ordered: Arc<Ordered>,
-    factor: Arc<Cholesky>,
-}
-
-impl<const D: usize> Kept<D> {
-    /// Those of the last stage that go on, by their places in this one.
-    fn of(last: Condensed<D>, going_on: &[Option<usize>]) -> Vec<Option<Self>> {
-        let bodies = last.bodies.into_iter().zip(last.ordered).zip(last.factored);
-        let mut bodies: Vec<Option<Self>> = bodies
-            .map(|((body, ordered), factored)| {
-                Some(Self {
-                    system: body.system,
-                    ordered,
-                    factor: factored.factor,
-                })
-            })
-            .collect();
-        let place = |place: &Option<usize>| bodies[(*place)?].take();
-        going_on.iter().map(place).collect()
-    }
-}
 
 /// The bodies of a model condensed onto the contact unknowns, at one time.
 pub(crate) struct Condensed<const D: usize> {
@@ -82,50 +60,72 @@ pub(crate) struct Condensed<const D: usize> {
     part: Option<Part>,
     /// What it goes on from.
     pub state: Arc<State<D>>,
+    /// What its parts and conditions were made of.
+    made_of: Model<D>,
 }
 
 /// The bodies of a model at one time with their contacts paired, not yet condensed.
-pub(crate) struct Uncondensed<const D: usize> {
+struct Connected<const D: usize> {
     systems: Vec<BodySystem<D>>,
-    pub conditions: Vec<Condition<D>>,
+    conditions: Vec<Condition<D>>,
     gaps: Vec<f64>,
     dropped: Vec<String>,
     /// Nodes of each part that other stages touch.
     lasting: Vec<Vec<usize>>,
     /// Order and factor of bodies that have been before.
-    kept: Vec<Option<(Arc<Ordered>, Arc<Cholesky>)>>,
+    kept: Vec<Option<Factored>>,
     seconds: Seconds,
     time: f64,
     state: Arc<State<D>>,
 }
 
-/// Assembles the bodies and pairs the contacts of a stage at a time, from a state; `last` is the stage before it.
+/// The dual problem of a stage at a time, from a state, of at most `dense_limit` assembled unknowns; what is the same as `before` is
+/// found there. `look` is shown the conditions, and whether they are those of before, before anything is factored.
 ///
-/// Errors: what cannot be assembled or paired.
-pub(crate) fn assemble<const D: usize>(
+/// Errors: what cannot be assembled, paired or factored; values that are not finite; what takes more memory than there is; a floating
+/// body that nothing can hold; a law without meaning; those of `look`.
+pub(crate) fn linearise<const D: usize, V>(
     stage: &Stage<'_, D>,
     (time, state): (f64, Arc<State<D>>),
-    last: Option<Condensed<D>>,
+    (before, dense_limit): (Option<Condensed<D>>, usize),
+    look: impl FnOnce(&[Condition<D>], bool) -> Result<V, Error<D>>,
     observe: &mut dyn FnMut(Event),
-) -> Result<Uncondensed<D>, Error<D>> {
+) -> Result<(Condensed<D>, V), Error<D>> {
     let model = stage.model.as_ref();
-    let mut seconds = last
-        .as_ref()
-        .map_or(Seconds::default(), |last| last.seconds);
+    let before = before.map(|mut before| {
+        if !state.goes_on() {
+            before.seconds = Seconds::default();
+        }
+        before
+    });
+    match before {
+        Some(before) if before.connects(model, &state) => {
+            let seen = look(&before.conditions, true)?;
+            Ok((before.drive_to(model, (time, state), observe)?, seen))
+        }
+        before => {
+            let connected = connect(stage, (time, state), before, observe)?;
+            let seen = look(&connected.conditions, false)?;
+            let condensed = connected.condense(model, dense_limit, observe)?;
+            Ok((condensed, seen))
+        }
+    }
+}
+
+/// Assembles the bodies and pairs the contacts of a stage at a time, from a state; bodies that are the same as `before` go on.
+///
+/// Errors: what cannot be assembled or paired.
+fn connect<const D: usize>(
+    stage: &Stage<'_, D>,
+    (time, state): (f64, Arc<State<D>>),
+    before: Option<Condensed<D>>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Connected<D>, Error<D>> {
+    let model = stage.model.as_ref();
+    let mut seconds = before.as_ref().map_or(Seconds::default(), |b| b.seconds);
     let mut lap = Lap::start();
     observe(Event::Stage("assemble"));
-    let kept = match last {
-        Some(last) => Kept::of(last, &state.going_on()),
-        None => model.bodies.iter().map(|_| None).collect(),
-    };
-    let (before, kept): (Vec<_>, Vec<_>) = kept
-        .into_iter()
-        .map(|kept| {
-            kept.map_or((None, None), |k| {
-                (Some(k.system), Some((k.ordered, k.factor)))
-            })
-        })
-        .unzip();
+    let (before, kept) = going_on(model, before, state.goes_on());
     let mut systems = systems(model, (before, state.histories()), time)?;
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut conditions = all_conditions(stage, &constraints, time)?;
@@ -134,7 +134,7 @@ pub(crate) fn assemble<const D: usize>(
     let dropped = complete(model, &mut systems, (&mut conditions, &lost), time)?;
     turn_to_forces(&mut systems[..model.bodies.len()], &conditions);
     seconds.assemble += lap.seconds();
-    Ok(Uncondensed {
+    Ok(Connected {
         gaps: gaps_after(&conditions, &state.slips(&conditions)),
         lasting: state.lasting(stage, systems.len()),
         systems,
@@ -147,12 +147,65 @@ pub(crate) fn assemble<const D: usize>(
     })
 }
 
-impl<const D: usize> Uncondensed<D> {
+/// Order and factor of a body.
+type Factored = (Arc<Ordered>, Arc<Cholesky>);
+
+/// What the bodies of a model find of themselves in what was before it, by their names; in another run, `goes_on` tells, not what the
+/// contacts there have turned.
+fn going_on<const D: usize>(
+    model: &Model<D>,
+    before: Option<Condensed<D>>,
+    goes_on: bool,
+) -> (Vec<Option<BodySystem<D>>>, Vec<Option<Factored>>) {
+    let Some(before) = before else {
+        return (0..model.bodies.len()).map(|_| (None, None)).unzip();
+    };
+    let of_bodies = before.bodies.into_iter().zip(before.ordered);
+    let mut of_bodies: BTreeMap<&str, _> = (before.made_of.bodies.iter())
+        .zip(of_bodies.zip(before.factored))
+        .map(|(body, found)| (&body.name[..], (body, found)))
+        .collect();
+    let same = before.made_of.analysis == model.analysis;
+    let find = |body: &Body<D>| {
+        let (known, ((loaded, ordered), factored)) = of_bodies.remove(&body.name[..])?;
+        let turned = loaded.system.is_turned();
+        (same && same_stiffness(known, body) && (goes_on || !turned))
+            .then_some((loaded.system, (ordered, factored.factor)))
+    };
+    model.bodies.iter().map(find).map(Option::unzip).unzip()
+}
+
+impl<const D: usize> Condensed<D> {
+    /// Whether a stage of a model, at a state, has the same parts, connected by the same conditions.
+    fn connects(&self, model: &Model<D>, state: &State<D>) -> bool {
+        self.state.has_things_of(state) && same_conditions(&self.made_of, model)
+    }
+
+    /// At another time, from another state: d, e and the friction bounds are taken anew, all else stays. A state at which nothing has
+    /// been begins a run of its own.
+    ///
+    /// Errors: values that are not finite, a law without meaning.
+    fn drive_to(
+        mut self,
+        model: &Model<D>,
+        (time, state): (f64, Arc<State<D>>),
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Self, Error<D>> {
+        let lost = |name: &str| state.lost(name);
+        restore(model, &mut self.conditions, &lost);
+        carry(&mut self, state.yielded());
+        (self.time, self.part, self.state) = (time, None, Arc::clone(&state));
+        drive(model, &mut self, observe)?;
+        Ok(self)
+    }
+}
+
+impl<const D: usize> Connected<D> {
     /// The dual problem, of at most `dense_limit` assembled unknowns.
     ///
     /// Errors: what takes more memory than there is; a body that cannot be factored; a floating body that nothing can hold; a law
     /// without meaning.
-    pub fn condense(
+    fn condense(
         self,
         model: &Model<D>,
         dense_limit: usize,
@@ -219,6 +272,7 @@ impl<const D: usize> Uncondensed<D> {
             time,
             part: None,
             state,
+            made_of: model.clone(),
         })
     }
 }
@@ -229,7 +283,7 @@ impl<const D: usize> Uncondensed<D> {
 struct OfBodies<'a, const D: usize> {
     systems: &'a [BodySystem<D>],
     rows: &'a [Arc<BodyRows>],
-    kept: &'a [Option<(Arc<Ordered>, Arc<Cholesky>)>],
+    kept: &'a [Option<Factored>],
     lasting: &'a [Vec<usize>],
 }
 
@@ -298,34 +352,13 @@ fn ordered<const D: usize>(
 }
 
 /// Factors of bodies whose order is still the one that they had.
-fn reused(
-    ordered: &[Arc<Ordered>],
-    kept: Vec<Option<(Arc<Ordered>, Arc<Cholesky>)>>,
-) -> Vec<Option<Arc<Cholesky>>> {
+fn reused(ordered: &[Arc<Ordered>], kept: Vec<Option<Factored>>) -> Vec<Option<Arc<Cholesky>>> {
     let mut kept = kept.into_iter();
     let each = ordered.iter().map(|ordered| {
         let (before, factor) = kept.next()??;
         Arc::ptr_eq(&before, ordered).then_some(factor)
     });
     each.collect()
-}
-
-/// The same bodies at another time, from another state: d, e and the friction bounds are taken anew, all else stays. A state at
-/// which nothing has been begins a run of its own.
-///
-/// Errors: values that are not finite, a law without meaning.
-pub(crate) fn advance<const D: usize>(
-    model: &Model<D>,
-    mut here: Condensed<D>,
-    (time, state): (f64, Arc<State<D>>),
-    observe: &mut dyn FnMut(Event),
-) -> Result<Condensed<D>, Error<D>> {
-    let lost = |name: &str| state.lost(name);
-    restore(model, &mut here.conditions, &lost);
-    carry(&mut here, state.yielded());
-    (here.time, here.state) = (time, Arc::clone(&state));
-    drive(model, &mut here, observe)?;
-    Ok(here)
 }
 
 /// The same step once more, with what joints have lost on its way.

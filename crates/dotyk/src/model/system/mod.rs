@@ -19,6 +19,7 @@ pub mod drive;
 pub mod factor;
 pub mod floating;
 pub mod joints;
+pub mod key;
 pub mod links;
 pub mod memory;
 pub mod parts;

@@ -80,8 +80,6 @@ pub(crate) struct State<const D: usize> {
     staged: bool,
     /// What is there.
     presence: Presence,
-    /// What was there in the last stage.
-    before: Option<Presence>,
     /// Time of the last step.
     time: Option<f64>,
     /// Where it left the bodies.
@@ -109,7 +107,6 @@ impl<const D: usize> State<D> {
         Self {
             staged,
             presence: Presence::at(model, time),
-            before: None,
             time: None,
             moved: vec![None; count].into(),
             obstacles: BTreeMap::new(),
@@ -228,7 +225,7 @@ impl<const D: usize> State<D> {
             let moved = self.moved.clone();
             self.births.insert(thing, Birth { step, moved });
         }
-        self.before = Some(std::mem::replace(&mut self.presence, next));
+        self.presence = next;
         true
     }
 
@@ -268,19 +265,15 @@ impl<const D: usize> State<D> {
         things
     }
 
-    /// Place in the last stage of each body of this one that has the same supports as there.
-    pub fn going_on(&self) -> Vec<Option<usize>> {
-        let whole = self.whole().into_iter();
-        let Some(before) = &self.before else {
-            return whole.map(|_| None).collect();
+    /// Whether the same things are there as in another one, and have come in the same steps.
+    pub fn has_things_of(&self, other: &Self) -> bool {
+        let came = |state: &Self| {
+            let births = state.births.iter();
+            births
+                .map(|(thing, birth)| (thing.clone(), birth.step))
+                .collect::<Vec<_>>()
         };
-        let (places, now) = (places(&before.bodies), &self.presence);
-        let same = |body: usize| {
-            before.supports[body] == now.supports[body] && before.springs[body] == now.springs[body]
-        };
-        whole
-            .map(|body| places[body].filter(|_| same(body)))
-            .collect()
+        self.presence == other.presence && came(self) == came(other)
     }
 
     /// What is left of what holds each body of the stage.
