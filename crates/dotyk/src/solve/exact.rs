@@ -281,7 +281,7 @@ impl<'a> Search<'a> {
     /// Whether the work allowed is done.
     pub fn exhausted(&self) -> bool {
         let products = self.setup.products() - self.products;
-        self.steps >= self.most || products >= PRODUCTS
+        self.iterations() >= self.most || products >= PRODUCTS
     }
 
     pub fn softness(&self) -> &'a [f64] {

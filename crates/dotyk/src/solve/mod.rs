@@ -464,7 +464,7 @@ mod tests {
         assert_eq!(Accelerated::default().limits(), (1e-8, 100_000));
         assert_eq!(Secant::default().limits(), (1e-8, 100_000));
         assert_eq!(Mprgp::default().limits(), (1e-8, 20_000));
-        assert_eq!(Newton::default().limits(), (1e-8, 200));
+        assert_eq!(Newton::default().limits(), (1e-8, 600));
     }
 
     #[test]

@@ -47,7 +47,7 @@ const SMALL: usize = 96;
 pub struct Newton {
     /// Residual below which an answer is accepted.
     pub tolerance: f64,
-    /// Most linear solves on the problem itself.
+    /// Most linear solves, in solves of the size of the problem.
     pub max_iterations: usize,
 }
 
@@ -55,7 +55,7 @@ impl Default for Newton {
     fn default() -> Self {
         Self {
             tolerance: TOLERANCE,
-            max_iterations: 200,
+            max_iterations: 600,
         }
     }
 }

@@ -44,6 +44,10 @@ use crate::solve::{FixedBounds, Observer, Outcome, SolveError, levels};
 /// Exact steps: their residuals may rise on the way.
 const EXACT: Patience = Patience::new(14, f64::INFINITY);
 
+/// Most steps in which states are guessed, or forces are taken one by one: those of which no answer is left after so many have none, and
+/// bounds that are given, which come behind them, take some hundred of their own.
+const SINGLE: usize = 200;
+
 /// Most steps on a coarser problem: no more than a guess is asked for.
 const COARSE: usize = 30;
 
@@ -101,13 +105,19 @@ pub(crate) fn solve<S: FixedBounds>(
         }
         Ended::Stopped => Ok(search.outcome(true)),
         Ended::Stuck(_) if setup.problem.is_crowd() => Err(search.not_converged(S::NAME, STALLED)),
-        Ended::Stuck(_) => match iterate_bounds(method, search, observe) {
-            Err(left @ SolveError::NotConverged { .. }) => match limit(method, setup) {
-                Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
-                None => Err(left),
-            },
-            ended => ended,
-        },
+        Ended::Stuck(_) => {
+            let ended = match search.iterations() < method.limits().1 {
+                true => iterate_bounds(method, search, observe),
+                false => Err(search.not_converged(S::NAME, STALLED)),
+            };
+            match ended {
+                Err(left @ SolveError::NotConverged { .. }) => match limit(method, setup) {
+                    Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
+                    None => Err(left),
+                },
+                ended => ended,
+            }
+        }
     }
 }
 
@@ -119,7 +129,8 @@ fn climb<'a, S: FixedBounds>(
     stages: &[Stage<S>],
     observe: Observer<'_>,
 ) -> Result<(Search<'a>, Ended), SolveError> {
-    let mut search = Search::new(method.limits(), setup);
+    let (tolerance, most) = method.limits();
+    let mut search = Search::new((tolerance, most.min(SINGLE)), setup);
     let coarse = |(tolerance, _), setup: &Setup<'_>, observe: Observer<'_>| {
         coarse(&method.within(tolerance, COARSE), setup, observe)
     };
@@ -224,7 +235,7 @@ fn at_rest<S: FixedBounds>(
         true => (setup.admissible.with_bounds(&bounds), Some(&guess)),
         false => (setup.admissible.sticking(), None),
     };
-    let method = method.within(RESTING, search.most.saturating_sub(search.steps));
+    let method = method.within(RESTING, search.most.saturating_sub(search.iterations()));
     let mut after = counting_from(search.iterations(), observe);
     let outcome = match method.run(&setup.with_admissible(admissible), guess, &mut after) {
         Ok(outcome) => outcome,
@@ -255,7 +266,9 @@ fn iterate_bounds<S: FixedBounds>(
     let mut after = counting_from(done, observe);
     let mut tried = std::mem::take(&mut search.tried);
     tried.push(BOUNDS);
-    let mut result = fixed_point(method, setup, guess, &mut after);
+    let (tolerance, most) = method.limits();
+    let rest = method.within(tolerance, most.saturating_sub(done));
+    let mut result = fixed_point(&rest, setup, guess, &mut after);
     search.go_back();
     if let Err(SolveError::NotConverged {
         outcome, residual, ..
@@ -482,6 +495,31 @@ mod tests {
         });
         let stopped = stopped.unwrap();
         assert!(stopped.stopped_by_observer && stopped.iterations == 1);
+    }
+
+    /// Through all stages, the last of which begins after 200 steps, too.
+    #[test]
+    fn no_more_steps_are_made_than_are_allowed() {
+        let circling = Frozen {
+            a: &[[0.2, -0.7, 0.1, 0.9], [-0.5, 0.6, 0.3, 0.4]],
+            shift: [-0.4, 0.8, 0.6, -0.9],
+            modes: &[[0.3, 0.9, -0.6, 0.2]],
+            load: &[0.5],
+            coefficient: 3.0,
+        };
+        for frozen in [&LAST, &circling] {
+            let problem = frozen.problem();
+            let setup = Setup::new(&problem).unwrap();
+            for most in (1..60).chain([100, 199, 200, 201, 220, 300]) {
+                let method = Newton::default().within(1e-14, most);
+                let made = match solve(&method, &setup, None, &mut silent) {
+                    Ok(outcome) => outcome.iterations,
+                    Err(SolveError::NotConverged { outcome, .. }) => outcome.iterations,
+                    Err(other) => panic!("{other}"),
+                };
+                assert!(made <= most, "{made} steps of {most}");
+            }
+        }
     }
 
     #[test]

@@ -57,7 +57,7 @@ pub(crate) fn stiffen<S: FixedBounds>(
     observe: Observer<'_>,
 ) -> Ended {
     let setup = search.setup;
-    let left = search.most.saturating_sub(search.steps);
+    let left = search.most.saturating_sub(search.iterations());
     let rest = {
         let mut after = counting_from(search.iterations(), observe);
         Rest::of(method, setup, left, &mut after)
