@@ -4,11 +4,12 @@ use crate::fem::Constraints;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
-use crate::model::system::bars::lay_bars;
+use crate::model::system::bar::barred;
+use crate::model::system::bed::bedded;
 use crate::model::system::condition::{Condition, Source};
 use crate::model::system::contact::{contact_gaps, touching};
 use crate::model::system::couple::{check_held, coupling};
-use crate::model::system::links::{barred, bedded};
+use crate::model::system::laid::lay_bars;
 use crate::model::system::parts::{Owner, Parts};
 use rayon::prelude::*;
 

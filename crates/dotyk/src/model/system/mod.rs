@@ -3,7 +3,8 @@
 
 pub mod admissible;
 pub mod applied;
-pub mod bars;
+pub mod bar;
+pub mod bed;
 pub mod bodies;
 pub mod choose;
 pub mod compliance;
@@ -20,6 +21,7 @@ pub mod factor;
 pub mod floating;
 pub mod joints;
 pub mod key;
+pub mod laid;
 pub mod links;
 pub mod memory;
 pub mod parts;

@@ -1,0 +1,75 @@
+//! Beds that only press, as links at the points of integration of their side.
+//!
+//! ```text
+//!   gap = −(n·u − q) ≥ 0,  λ ≥ 0      k = kₙ A         q = λ/k: pressed in
+//! ```
+//!
+//! A bed is springs side by side, each of which parts by itself. They stand at the points of integration of the facets, of the area
+//! A = weight · Jacobian: u = Σ Nₐuₐ there, and where all press they do the work of the bed that acts both ways,
+//!
+//! ```text
+//!   Σ_q k_q (n·u)² = Σ_q kₙ A_q (n·u)² = ∫ kₙ (n·u)² dS        for every u of straight facets, with rules of degree 2 · order
+//! ```
+//!
+//! of a line 2 points, or 3 with a middle node; 4 or 9 of a quadrilateral, 3 or 6 of a triangle: one to three times its nodes, and
+//! all of positive weight. Conditions at nodes would have to share the area out among them, k = kₙ∫N: a stiffness that a side which
+//! turns feels too large, by a third with one facet across a footing, by 1/n² of that with n. And with the nodal forces of
+//! the whole bed, ∫NᵀCN dS u, as what must not pull, corners of curved facets would part under an even pressure, because
+//! their ∫N is no more than zero.
+
+use crate::contact::{Coupling, Interface, InterfaceNode, Row, frame};
+use crate::dual::Block;
+use crate::fem::pads;
+use crate::model::nouns::error::Error;
+use crate::model::nouns::ids::{BodyId, SideRef};
+use crate::model::nouns::model::Model;
+use crate::model::system::condition::{Condition, Elastic, Source};
+use crate::model::system::links::{axis, carrier, less, linked};
+
+/// The condition of a bed, by its body and which of its springs it is, and its part.
+///
+/// Errors: a side that has no points of integration.
+pub(crate) fn bedded<const D: usize>(
+    model: &Model<D>,
+    (of, place): (usize, usize),
+    part: usize,
+) -> Result<Condition<D>, Error<D>> {
+    let body = &model.bodies[of];
+    let (side, stiffness) = body.springs[place].presses().unwrap_or_default();
+    let pads = pads(body, side, model.analysis);
+    let pads = pads.map_err(|source| Error::in_body(body, source))?;
+    let mut interface = Interface::empty(Coupling::Normal);
+    let mut elastic = Elastic::default();
+    for (row, pad) in pads.into_iter().enumerate() {
+        let along = |n: f64| pad.normal.map(|c| n * c);
+        let own: Row<D> = pad.nodes.iter().map(|&(k, n)| (k, along(n))).collect();
+        let nearest = pad.nodes.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        interface.nodes.push(InterfaceNode {
+            node: nearest.map_or(0, |nearest| nearest.0),
+            frame: frame(pad.normal, &[]),
+            weight: pad.area,
+            extent: pad.extent,
+            ..carrier(row)
+        });
+        interface.nonmortar.push(own);
+        interface.mortar.push(less(row, 0));
+        elastic
+            .stiffness
+            .push(axis::<D>(0).map(|c| c * stiffness * pad.area));
+        elastic.load.push([0.0; D]);
+    }
+    let name = format!("spring of {}.{side}", body.name);
+    let nonmortar = SideRef {
+        body: BodyId(of),
+        side: side.to_string(),
+    };
+    Ok(Condition {
+        law: Some(Block::Unilateral),
+        ..linked(
+            (Source::Bed(of, place), name),
+            (nonmortar, part),
+            interface,
+            elastic,
+        )
+    })
+}
