@@ -5,7 +5,7 @@ use crate::errors;
 use crate::mesh::rows;
 use crate::worker::{Caller, wait};
 use dotyk::case::{AnyCase, Case, CaseError};
-use dotyk::model::{ContactNode, Solution};
+use dotyk::model::{ContactNode, Shape, Solution};
 use dotyk::output::{self, FailedStep, Record};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -276,31 +276,31 @@ fn body_arrays<'py, const D: usize>(
     let dict = PyDict::new(py);
     let points = |list: &[[f64; D]]| rows(py, list.to_vec());
     dict.set_item("points", points(body.mesh.points())?)?;
-    dict.set_item("displacement", points(&answer.displacement)?)?;
     dict.set_item("shown", points(&answer.shown())?)?;
-    dict.set_item("reactions", points(&answer.reactions)?)?;
-    dict.set_item("contact_force", points(&answer.contact_forces)?)?;
     // at the nodes alone: on a border between materials that of the one that is stressed most
     let stressed = answer.borders.largest(&answer.von_mises);
-    let tensors =
-        |values: &[[f64; 6]]| rows(py, stressed.iter().map(|&place| values[place]).collect());
-    let principal = answer.principal_stress();
-    let principal = stressed.iter().map(|&place| principal[place]).collect();
-    let numbers = |values: &[f64]| {
-        let places = answer.borders.largest(values).into_iter();
-        PyArray1::from_vec(py, places.map(|place| values[place]).collect())
-    };
-    dict.set_item("stress", tensors(&answer.stress)?)?;
-    dict.set_item("strain", tensors(&answer.strain)?)?;
-    dict.set_item("principal_stress", rows(py, principal)?)?;
-    dict.set_item("von_mises", numbers(&answer.von_mises))?;
-    if let Some(utilisation) = &answer.utilisation {
-        dict.set_item("utilisation", numbers(&utilisation.nodal))?;
-    }
-    if let Some(own) = &answer.yielding {
-        dict.set_item("plastic_strain", tensors(&own.strain)?)?;
-        dict.set_item("equivalent_plastic_strain", numbers(&own.equivalent))?;
-        dict.set_item("yielded", numbers(&own.share))?;
+    for field in answer.fields() {
+        let at = |place: usize, k: usize| field.values[place * field.shape.components() + k];
+        let of_nodes = match field.shape {
+            Shape::Number => {
+                let places = answer.borders.largest(&field.values).into_iter();
+                PyArray1::from_vec(py, places.map(|place| at(place, 0)).collect()).into_any()
+            }
+            Shape::Vector => {
+                let nodes = 0..body.mesh.points().len();
+                let vector = |node| std::array::from_fn::<f64, D, _>(|k| at(node, k));
+                rows(py, nodes.map(vector).collect())?.into_any()
+            }
+            Shape::Tensor => {
+                let tensor = |&place: &usize| std::array::from_fn::<f64, 6, _>(|k| at(place, k));
+                rows(py, stressed.iter().map(tensor).collect())?.into_any()
+            }
+            Shape::Principal => {
+                let values = |&place: &usize| std::array::from_fn::<f64, 3, _>(|k| at(place, k));
+                rows(py, stressed.iter().map(values).collect())?.into_any()
+            }
+        };
+        dict.set_item(field.name, of_nodes)?;
     }
     Ok(dict)
 }

@@ -542,7 +542,7 @@ class BodySolution(_Frozen):
         >>> round(block.reactions[:, 1].sum())
         1000000
         """
-        return self._array("reactions")  # type: ignore[no-any-return]
+        return self._array("reaction")  # type: ignore[no-any-return]
 
     @property
     def contact_force(self) -> Array:
@@ -573,11 +573,12 @@ class BodySolution(_Frozen):
         fields = arrays_of(self._vtu())  # type: ignore[attr-defined]
         own = self._arrays()  # type: ignore[attr-defined]
         count = len(own["points"])
-        jumping = (
-            *("stress", "strain", "von_mises", "principal_stress", "utilisation"),
-            *("plastic_strain", "equivalent_plastic_strain", "yielded"),
-        )
-        return {name: own[name] if name in jumping and name in own else values[:count] for name, values in fields.items()}
+
+        def nodal(name: str, values: Any) -> Any:
+            same = name in own and own[name].shape[1:] == values.shape[1:]
+            return own[name] if same else values[:count]
+
+        return {name: nodal(name, values) for name, values in fields.items()}
 
     def to_meshio(self) -> Any:
         """A ``meshio.Mesh`` with the fields, and the sides as ``cell_sets``. Needs meshio.

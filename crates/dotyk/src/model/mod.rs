@@ -29,6 +29,7 @@ pub use nouns::capacity::{Capacity, Reinforcement};
 pub use nouns::dimension::Dimension;
 pub use nouns::error::{Advice, Error, NotHeld, Objection, ProbeError, Subject};
 pub use nouns::event::{Event, Work};
+pub use nouns::field::{BodyField, Shape};
 pub use nouns::file_names::{NameError, check_file_names};
 pub use nouns::ids::*;
 pub use nouns::intrusion::Intrusion;

@@ -193,3 +193,49 @@ mortar = "low.top"
     let said = model.solve().unwrap_err().to_string();
     assert!(said.contains("no rigid obstacle"), "{said}");
 }
+
+/// A block of 2 × 1 × 1 that is drawn by 10 along z.
+const DRAWN: &str = r#"
+analysis = "3d"
+[[body]]
+name = "block"
+mesh = { box = { from = [0, 0, 0], to = [2, 1, 1], cells = [3, 2, 2] } }
+material = { young = 1000, poisson = 0.25 }
+fix  = [{ side = "bottom", z = 0 }, { point = [0, 0, 0], x = 0, y = 0 }, { point = [2, 0, 0], y = 0 }]
+load = [{ side = "top", traction = [0, 0, 10] }]
+"#;
+
+#[test]
+fn fields_of_bodies_are_read_by_their_names() {
+    let probes = [
+        probe("block.strain.zz", "at = [0.3, 0.4, 0.5]"),
+        probe("block.strain.xx", "reduce = \"mean\""),
+        probe("block.strain.xy", "reduce = \"max\""),
+    ];
+    let case = case(&(DRAWN.to_string() + &probes.concat()));
+    let solution = case.model.solve().unwrap();
+    reads(&solution, "block.strain.zz", 0.01);
+    reads(&solution, "block.strain.xx", -0.0025);
+    reads(&solution, "block.strain.xy", 0.0);
+    let refused = |quantity: &str| {
+        let text = DRAWN.to_string() + &probe(quantity, "at = [0, 0, 0]");
+        let error = Case::<3>::from_str(&text, "case.toml", Path::new(".")).err();
+        error.unwrap().to_string()
+    };
+    for (quantity, words) in [
+        ("block.strain", ["line 11", "ends after `strain`"]),
+        ("block.strain.zx", ["line 11", "unknown component `zx`"]),
+        ("block.strain.zz.z", ["`zz` has no components", "here"]),
+        ("block.yielded", ["does not yield", "plastic = true"]),
+        (
+            "block.strian.zz",
+            ["unknown quantity of a body `strian`", "strain"],
+        ),
+    ] {
+        let said = refused(quantity);
+        assert!(
+            words.iter().all(|word| said.contains(word)),
+            "{quantity}: {said}"
+        );
+    }
+}

@@ -6,6 +6,7 @@ pub mod capacity;
 pub mod dimension;
 pub mod error;
 pub mod event;
+pub mod field;
 pub mod file_names;
 pub mod ids;
 pub mod intrusion;

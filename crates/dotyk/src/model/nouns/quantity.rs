@@ -13,6 +13,7 @@
 use crate::fem::Body;
 use crate::geometry::{Point, norm};
 use crate::model::nouns::dimension::Dimension;
+use crate::model::nouns::field::{FieldKind, Shape};
 use crate::model::nouns::section::SectionQuantity;
 use std::fmt;
 use std::ops::Range;
@@ -35,8 +36,8 @@ pub(crate) enum Parts {
     Stress(usize, Stress),
     /// Stress of a body over its strength; a field.
     Utilisation(usize),
-    /// What has yielded of a body; a field.
-    Yielding(usize, Yielded),
+    /// A result of a body as its values at nodes say, by its place in the list of them, and which of its components; a field.
+    Field(usize, usize, usize),
     /// Force of the supports on a body, of all or those of a side; a number.
     Reaction(usize, Option<String>, usize),
     /// What varies along a contact; a field.
@@ -110,17 +111,6 @@ pub(crate) enum Stress {
     Normal,
 }
 
-/// Of what has yielded.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Yielded {
-    /// A component of the plastic strain by its place among xx yy zz xy yz xz.
-    Strain(usize),
-    /// The equivalent plastic strain.
-    Equivalent,
-    /// The part that has yielded in the step.
-    Share,
-}
-
 /// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space; or components in global
 /// axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -151,8 +141,8 @@ const TENSOR: [(&str, usize); 6] = [
     ("xz", 5),
 ];
 
-/// The plastic strain of a body.
-const PLASTIC_STRAIN: &str = "plastic_strain";
+/// Those of principal values.
+const PRINCIPAL: [(&str, usize); 3] = [("s1", 0), ("s2", 1), ("s3", 2)];
 
 /// The force of a bar.
 const FORCE: &str = "force";
@@ -292,7 +282,7 @@ impl Quantity {
             | Parts::Rotation(body, _)
             | Parts::Stress(body, _)
             | Parts::Utilisation(body)
-            | Parts::Yielding(body, _)
+            | Parts::Field(body, ..)
             | Parts::Reaction(body, ..) => *body = bodies[*body]?,
             Parts::Along(contact, _)
             | Parts::Resultant(contact, _)
@@ -321,21 +311,22 @@ impl Quantity {
             Parts::Moment(..) => Dimension::Moment,
             Parts::Dissipated(..) => Dimension::Energy,
             Parts::Rotation(..) => Dimension::Angle,
-            Parts::Utilisation(..) | Parts::Yielding(..) => Dimension::Ratio,
+            Parts::Utilisation(..) => Dimension::Ratio,
+            Parts::Field(_, field, _) => FieldKind::<3>::ALL[field].dimension,
             Parts::Section(_, quantity) => quantity.dimension(),
         }
     }
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Along, Bar, Displacement, Rotation, Section, Stress, Utilisation, Yielding};
+        use Parts::{Along, Bar, Displacement, Field, Rotation, Section, Stress, Utilisation};
         matches!(
             self.parts,
             Displacement(..)
                 | Rotation(..)
                 | Stress(..)
                 | Utilisation(..)
-                | Yielding(..)
+                | Field(..)
                 | Along(..)
                 | Section(..)
                 | Bar(_)
@@ -359,7 +350,7 @@ impl Quantity {
     pub(crate) fn depends_on_material(&self) -> bool {
         matches!(
             self.parts,
-            Parts::Stress(..) | Parts::Utilisation(_) | Parts::Yielding(..)
+            Parts::Stress(..) | Parts::Utilisation(_) | Parts::Field(..)
         )
     }
 
@@ -425,16 +416,10 @@ fn of_body<const D: usize>(
     index: usize,
     body: &Body<D>,
 ) -> Result<Parts, QuantityError> {
-    const QUANTITIES: [&str; 8] = [
-        "displacement",
-        "rotation",
-        "stress",
-        "reaction",
-        "utilisation",
-        PLASTIC_STRAIN,
-        "equivalent_plastic_strain",
-        "yielded",
-    ];
+    let quantities = || {
+        let plain = FieldKind::<D>::ALL.iter().filter(|kind| kind.plain);
+        QUANTITIES.into_iter().chain(plain.map(|kind| kind.name))
+    };
     let axes = &AXES[..D];
     let moved = components::<D>();
     let turns = if D == 3 { &AXES[..] } else { &AXES[2..] };
@@ -461,20 +446,6 @@ fn of_body<const D: usize>(
             true => Ok(Parts::Utilisation(index)),
             false => Err(words.mistake(Mistake::NoStrength, 1, [])),
         },
-        [PLASTIC_STRAIN, _] => {
-            yields(words, body)?;
-            let component = words.one_of(2, "component", &TENSOR)?;
-            Ok(Parts::Yielding(index, Yielded::Strain(component)))
-        }
-        [PLASTIC_STRAIN] => Err(words.incomplete(names(&TENSOR))),
-        ["equivalent_plastic_strain"] => {
-            yields(words, body)?;
-            Ok(Parts::Yielding(index, Yielded::Equivalent))
-        }
-        ["yielded"] => {
-            yields(words, body)?;
-            Ok(Parts::Yielding(index, Yielded::Share))
-        }
         ["reaction", _] => {
             let axis = words.one_of(2, "component", axes)?;
             Ok(Parts::Reaction(index, None, axis))
@@ -489,16 +460,51 @@ fn of_body<const D: usize>(
         ["rotation"] => Err(words.incomplete(names(turns))),
         ["stress"] => Err(words.incomplete(names(stresses))),
         ["reaction"] | [_, "reaction"] => Err(words.incomplete(names(axes))),
-        [] => Err(words.incomplete(QUANTITIES)),
-        [_, ..] => Err(words.mistake(Mistake::Unknown("quantity of a body"), 1, QUANTITIES)),
+        [] => Err(words.incomplete(quantities())),
+        [word, ..] => {
+            let mut kinds = FieldKind::<D>::ALL.iter();
+            match kinds.position(|kind| kind.plain && kind.name == word) {
+                Some(field) => of_field(words, (index, body), field),
+                None => Err(words.mistake(Mistake::Unknown("quantity of a body"), 1, quantities())),
+            }
+        }
     }
 }
 
-/// Errors: a body of which nothing yields.
-fn yields<const D: usize>(words: &Words<'_>, body: &Body<D>) -> Result<(), QuantityError> {
-    match body.is_plastic() {
-        true => Ok(()),
-        false => Err(words.mistake(Mistake::NotPlastic, 1, [])),
+/// Quantities of bodies that have a reading of their own.
+const QUANTITIES: [&str; 5] = [
+    "displacement",
+    "rotation",
+    "stress",
+    "reaction",
+    "utilisation",
+];
+
+/// A result that is read as its values at nodes say.
+fn of_field<const D: usize>(
+    words: &Words<'_>,
+    (index, body): (usize, &Body<D>),
+    field: usize,
+) -> Result<Parts, QuantityError> {
+    let kind = &FieldKind::<D>::ALL[field];
+    if kind.plastic && !body.is_plastic() {
+        return Err(words.mistake(Mistake::NotPlastic, 1, []));
+    }
+    let known: &[(&str, usize)] = match kind.shape {
+        Shape::Number => &[],
+        Shape::Vector => &AXES[..D],
+        Shape::Tensor => &TENSOR,
+        Shape::Principal => &PRINCIPAL,
+    };
+    match (&words.0[2..], known) {
+        ([], []) => Ok(Parts::Field(index, field, 0)),
+        ([], known) => Err(words.incomplete(names(known))),
+        ([_], [_, ..]) => {
+            let component = words.one_of(2, "component", known)?;
+            Ok(Parts::Field(index, field, component))
+        }
+        ([_, ..], []) => Err(words.mistake(Mistake::TooLong, 1, [])),
+        _ => Err(words.mistake(Mistake::TooLong, 2, [])),
     }
 }
 

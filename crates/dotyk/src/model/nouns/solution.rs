@@ -1,13 +1,12 @@
 //! What comes out: displacements, stresses, reactions, contact state, certificate.
 
 use crate::dual::Certificate;
-use crate::fem::{Borders, list_motions, principal};
-use crate::geometry::{Point, add_scaled, norm, padded};
+use crate::fem::{Borders, CoupleKind, list_motions, principal};
+use crate::geometry::{Point, add_scaled, norm};
 use crate::model::nouns::bar::BarSolution;
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::intrusion::Intrusion;
-use crate::model::nouns::model::CoupleKind;
 use crate::model::nouns::section::SectionSolution;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -267,43 +266,6 @@ pub struct Yielding {
     pub points: Vec<[f64; 8]>,
 }
 
-/// How many components a field has, and which.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
-    /// One.
-    Number,
-    /// Those of a vector, three.
-    Vector,
-    /// xx yy zz xy yz xz.
-    Tensor,
-    /// Principal values of a tensor, largest first.
-    Principal,
-}
-
-impl Shape {
-    /// Their number.
-    pub fn components(self) -> usize {
-        match self {
-            Self::Number => 1,
-            Self::Vector | Self::Principal => 3,
-            Self::Tensor => 6,
-        }
-    }
-}
-
-/// A result of a body that has a value everywhere.
-#[derive(Debug, Clone, PartialEq)]
-pub struct BodyField {
-    /// Its name, in all files and in Python.
-    pub name: &'static str,
-    /// Its components.
-    pub shape: Shape,
-    /// What it is.
-    pub dimension: Dimension,
-    /// Values at every node, and at the further places of the body's `borders`, with all components of a place together.
-    pub values: Vec<f64>,
-}
-
 /// How far the stress of a body goes towards the strength of its materials. The stress is elastic: what exceeds the strength
 /// would yield or break, and hand stress on to its neighbourhood.
 #[derive(Debug, Clone, PartialEq)]
@@ -404,54 +366,6 @@ impl<const D: usize> BodySolution<D> {
     /// The stress of the cells of a block at one of their nodes.
     pub fn stress_in(&self, block: usize, node: usize) -> [f64; 6] {
         self.stress[self.borders.place(block, node)]
-    }
-
-    /// All results that have a value at every node, and at the further places of `borders`.
-    pub fn fields(&self) -> Vec<BodyField> {
-        use {Dimension::*, Shape::*};
-        let of_nodes = |values: &[Point<D>]| -> Vec<f64> {
-            let nodes = self.borders.nodes();
-            nodes.flat_map(|node| padded(values[node])).collect()
-        };
-        let field = |name, shape, dimension, values| BodyField {
-            name,
-            shape,
-            dimension,
-            values,
-        };
-        let mut fields = vec![
-            field("displacement", Vector, Length, of_nodes(&self.displacement)),
-            field("stress", Tensor, Stress, self.stress.concat()),
-            field("strain", Tensor, Ratio, self.strain.concat()),
-            field("von_mises", Number, Stress, self.von_mises.clone()),
-        ];
-        if let Some(own) = &self.utilisation {
-            fields.push(field("utilisation", Number, Ratio, own.nodal.clone()));
-        }
-        if let Some(own) = &self.yielding {
-            fields.extend([
-                field("plastic_strain", Tensor, Ratio, own.strain.concat()),
-                field(
-                    "equivalent_plastic_strain",
-                    Number,
-                    Ratio,
-                    own.equivalent.clone(),
-                ),
-                field("yielded", Number, Ratio, own.share.clone()),
-            ]);
-        }
-        let principal = self.principal_stress().concat();
-        fields.extend([
-            field("principal_stress", Principal, Stress, principal),
-            field("reaction", Vector, Force, of_nodes(&self.reactions)),
-            field(
-                "contact_force",
-                Vector,
-                Force,
-                of_nodes(&self.contact_forces),
-            ),
-        ]);
-        fields
     }
 
     /// Principal stresses at every node, and at the further places of `borders`, largest first.

@@ -12,13 +12,12 @@ use crate::geometry::{Point, add_scaled, centroid, cross, distance, dot, norm, p
 use crate::mesh::{Facet, Located, Mesh, locate, locate_all, locate_on_side};
 use crate::model::nouns::bar::BarSolution;
 use crate::model::nouns::error::{Error, ProbeError};
+use crate::model::nouns::field::FieldKind;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::{Along, Analysis, Model, Probe, Reading};
-use crate::model::nouns::quantity::{ContactField, Parts, Since, Stress, Touching, Yielded};
+use crate::model::nouns::quantity::{ContactField, Parts, Since, Stress, Touching};
 use crate::model::nouns::section::{SectionQuantity, SectionSolution};
-use crate::model::nouns::solution::{
-    BodySolution, ContactNode, LinePoint, ProbeValue, Solution, Yielding,
-};
+use crate::model::nouns::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
 use crate::model::read::line::{
     Breaks, Station, points_between, stations_along, stations_at, stations_within,
 };
@@ -120,7 +119,7 @@ fn site<const D: usize>(
         Parts::Displacement(of, _)
         | Parts::Stress(of, _)
         | Parts::Utilisation(of)
-        | Parts::Yielding(of, _) => Carrier::Body(*of),
+        | Parts::Field(of, ..) => Carrier::Body(*of),
         Parts::Rotation(..) => return Err(ProbeError::NoCouple),
         Parts::Obstacle(of, _) if sides[*of].1 => {
             return Err(ProbeError::NoObstacle);
@@ -462,18 +461,13 @@ fn field<'a, const D: usize>(
             };
             Quantified::Varies(ReadField::new(Carrier::Body(of), value))
         }
-        Parts::Yielding(of, what) => {
-            let solved = body(of).1;
+        Parts::Field(of, field, component) => {
+            let (kind, solved) = (&FieldKind::ALL[field], body(of).1);
+            let (values, count) = ((kind.values)(solved), kind.shape.components());
             let value = move |at: &Located<D>| {
-                let own = solved.yielding.as_ref();
-                let of_place = |own: &Yielding, place: usize| match what {
-                    Yielded::Strain(component) => own.strain[place][component],
-                    Yielded::Equivalent => own.equivalent[place],
-                    Yielded::Share => own.share[place],
-                };
-                own.map_or(f64::NAN, |own| {
+                values.as_ref().map_or(f64::NAN, |values| {
                     let place = |node: usize| solved.borders.place(at.block, node);
-                    at.interpolate(|node| [of_place(own, place(node))])[0]
+                    at.interpolate(|node| [values[count * place(node) + component]])[0]
                 })
             };
             Quantified::Varies(ReadField::new(Carrier::Body(of), value))
