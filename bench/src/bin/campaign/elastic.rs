@@ -66,14 +66,15 @@ pub fn depth(body: &Body, analysis: Analysis, x: Vector) -> f64 {
 }
 
 /// A Gauss point of a cell: place, gradients of the shape functions, shape functions, area.
-struct Station {
-    x: Vector,
-    gradients: Vec<Vector>,
-    shape: Vec<f64>,
-    area: f64,
+pub struct Station {
+    pub x: Vector,
+    pub gradients: Vec<Vector>,
+    pub shape: Vec<f64>,
+    pub area: f64,
 }
 
-fn station(mesh: &Mesh, cell: usize, xi: Vector, weight: f64) -> Station {
+/// The station of a cell at reference coordinates.
+pub fn station(mesh: &Mesh, cell: usize, xi: Vector, weight: f64) -> Station {
     let (kind, nodes) = &mesh.cells[cell];
     let (shape, slopes) = kind.shape(xi);
     let mut x = [0.0; 2];

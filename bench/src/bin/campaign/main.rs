@@ -27,6 +27,7 @@ mod families;
 mod gmsh;
 mod held;
 mod judgement;
+mod metal;
 #[cfg(test)]
 mod mutations;
 mod overlap;

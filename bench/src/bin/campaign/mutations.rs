@@ -702,3 +702,29 @@ fn a_joint_that_bears_more_than_its_strength_is_noticed() {
         }
     });
 }
+
+#[test]
+fn metal_that_yields_elsewhere_or_hardens_otherwise_is_noticed() {
+    let is_soft = |p: &Problem| p.bodies.len() == 2 && p.bodies[1].more.metal.is_some();
+    let has_yielded = |problem: &Problem| {
+        let folder = Folder::new("mutations-metal").unwrap();
+        let Outcome::Certified(answer) = solve(problem, &folder, 60.0) else {
+            return false;
+        };
+        let mut elastic = problem.clone();
+        elastic.bodies[1].more.metal = None;
+        found(&elastic, &answer).contains(&"equilibrium")
+    };
+    let hardens = |p: &Problem| {
+        let metal = p.bodies[1].more.metal.as_ref();
+        metal.is_some_and(|metal| metal.hardening > 0.0)
+    };
+    let all = (0..).map(|seed| family("metal", seed)).filter(is_soft);
+    let found = all.filter(hardens).find(has_yielded).unwrap();
+    noticed("metal", &found, "equilibrium", |problem, _| {
+        problem.bodies[1].more.metal.as_mut().unwrap().yields *= 1.01;
+    });
+    noticed("metal", &found, "equilibrium", |problem, _| {
+        problem.bodies[1].more.metal.as_mut().unwrap().hardening *= 1.5;
+    });
+}

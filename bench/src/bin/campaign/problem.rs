@@ -166,6 +166,15 @@ pub struct More {
     pub from: Option<f64>,
     pub couple: Option<Couple>,
     pub bar: Option<Bar>,
+    /// It yields.
+    pub metal: Option<Metal>,
+}
+
+/// The stress at which metal yields, and the slope of its hardening.
+#[derive(Debug, Clone)]
+pub struct Metal {
+    pub yields: f64,
+    pub hardening: f64,
 }
 
 /// A side whose supports, or whose even tractions, are those of a point, as a case file has it: a rigid side that the point holds,
@@ -561,7 +570,11 @@ fn write_body(out: &mut String, body: &Body, analysis: Analysis) {
     let material = |group: &str, young: f64, poisson: f64| {
         format!("{{ {group}young = {young:?}, poisson = {poisson:?}{thickness} }}")
     };
-    let plain = material("", body.young, body.poisson);
+    let metal = body.more.metal.as_ref();
+    let metal = metal.map_or(String::new(), |Metal { yields, hardening }| {
+        format!("strength = {{ yield = {yields:?} }}, plastic = true, hardening = {hardening:?}, ")
+    });
+    let plain = material(&metal, body.young, body.poisson);
     let materials = match &body.more.beyond {
         None => plain,
         Some(Beyond { young, poisson, .. }) => {

@@ -5,6 +5,7 @@
 
 use crate::elastic::{bedded, conditions, external, internal, nearest, of_support};
 use crate::held::{Condition, free_part, held_axes};
+use crate::metal;
 use crate::plane::{Vector, bounds, dot, length, minus, plus};
 use crate::problem::{Bar, Body, Problem};
 use crate::raw::{Answer, Step};
@@ -96,7 +97,16 @@ impl State {
             .zip(&answer.meshes)
             .zip(&step.displacements)
         {
-            let inside = internal(mesh, body, analysis, moves, 0.01 * largest);
+            let inside = match &body.more.metal {
+                Some(own) => {
+                    let place = state.rest.len();
+                    let so_far = answer.steps.iter().filter(|s| s.time <= step.time);
+                    let ways = so_far.map(|s| &s.displacements[place][..]);
+                    let ways: Vec<&[Vector]> = ways.collect();
+                    metal::internal((mesh, body, own), analysis, &ways, 0.01 * largest)
+                }
+                None => internal(mesh, body, analysis, moves, 0.01 * largest),
+            };
             let there = body.more.from.is_none_or(|from| step.time >= from);
             let mut outside = match there {
                 true => external(mesh, body, analysis, step.time),

@@ -66,6 +66,9 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
             }
             bar.to = bar.to.take().map(|(body, to)| (body, place(to)));
         }
+        if let Some(metal) = &mut body.more.metal {
+            (metal.yields, metal.hardening) = (metal.yields * stress, metal.hardening * stress);
+        }
         if let Some(beyond) = &mut body.more.beyond {
             (beyond.border, beyond.young) = (beyond.border * lengths, beyond.young * stress);
         }
@@ -380,6 +383,8 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
             let plain = more.springs.is_empty()
                 && more.initial.is_none()
                 && more.bar.is_none()
+                // a part that does not yield has other cells
+                && more.metal.is_none()
                 && !problem.bodies.iter().any(barred)
                 && problem.sections.iter().all(|s| s.body != body.name);
             if !plain {

@@ -362,9 +362,9 @@ fn wrong_quantities_are_refused_before_solving() {
             ["unknown side `botom`", "`bottom`"],
         ),
         (
-            "block.strain.xx",
-            "strain",
-            ["unknown quantity of a body", "`stress`"],
+            "block.strains.xx",
+            "strains",
+            ["unknown quantity of a body", "`strain`"],
         ),
         (
             "sole.pressure.x",

@@ -133,9 +133,10 @@ pub struct Certificate {
 /// Figures of bodies that yield, found from displacements and plastic strains.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OfYield {
-    /// Largest nodal force that the stress leaves unbalanced, over the largest force of a cell on a node.
+    /// Largest nodal force that the stress leaves unbalanced, over the largest force of a cell on a node; of the body
+    /// that is worst.
     pub equilibrium: Figure,
-    /// Largest stress beyond what the material bears, over the largest stress before anything yielded.
+    /// Largest stress beyond what the material bears, over the largest stress before anything yielded; of the body that is worst.
     pub yield_violation: Figure,
     /// Work that plastic strain has gained where it must dissipate, over the elastic energy.
     pub flow: Figure,

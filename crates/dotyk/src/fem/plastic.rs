@@ -57,6 +57,9 @@ pub(crate) type Strained = [f64; 8];
 /// Of a point in a body that has not yielded.
 const NOTHING: Strained = [0.0; 8];
 
+/// The place of the equivalent plastic strain.
+const EQUIVALENT: usize = 6;
+
 /// What has yielded of a body: plastic strains at the points of all cells, in their order, zeros where nothing has.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Yielded(pub Vec<Strained>);
@@ -66,7 +69,7 @@ pub(crate) struct Yielded(pub Vec<Strained>);
 pub(crate) struct Increment<const D: usize> {
     /// ∫ C(ε − ε_p)·∇Nₐ dV, what holds the stress besides the initial one, (nodes,), in global axes.
     pub held: Vec<Point<D>>,
-    /// The largest force of the total stress of a cell on a node, within [`SCALES`] of that of its yield stress.
+    /// The largest force of the total stress of a cell on a node, where it has yielded within [`SCALES`] of that of its yield stress.
     pub force: f64,
     /// The largest stress beyond the yield stress that is left.
     pub beyond: f64,
@@ -122,8 +125,8 @@ impl Flow {
     }
 }
 
-/// Forces of a cell are a scale between these times those of its yield stress. What is unloaded bears no stress, and its nodal forces
-/// are rounding of those of Cε_p and Cε, which are each other's. Where a load is more than what is borne displacements run away, and
+/// Forces of a cell are a scale between these times those of its yield stress, from below where it has yielded: what is unloaded bears
+/// no stress, and its nodal forces are rounding of those of Cε_p and Cε, which are each other's. Where a load is more than what is borne displacements run away, and
 /// so does the rounding of stresses, which no scale must follow: what is left unbalanced would be nothing beside it.
 const SCALES: [f64; 2] = [1e-2, 10.0];
 
@@ -154,7 +157,7 @@ impl Metal {
 
     /// The plastic strain of the stress that this is returned to, which it would be if nothing more had yielded than before.
     fn returned(self, trial: [f64; 6], before: Strained) -> Strained {
-        let beyond = self.beyond(trial, before[6]);
+        let beyond = self.beyond(trial, before[EQUIVALENT]);
         if beyond <= 0.0 {
             return before;
         }
@@ -256,7 +259,7 @@ fn points<const D: usize>(
 impl Yielded {
     /// Nothing has, anywhere.
     pub fn is_nothing(&self) -> bool {
-        self.0.iter().all(|point| *point == NOTHING)
+        self.0.iter().all(|point| point[EQUIVALENT] == 0.0)
     }
 
     /// Nothing has yet. Errors: a group of cells without a material.
@@ -281,16 +284,15 @@ impl Yielded {
     }
 
     /// What has yielded under nodal displacements at a time, where this had yielded before. With the first point that yields a body
-    /// flows, and its cells give way as `volume.rs` says; where it is told to flow they do so from the start.
+    /// flows, and its cells give way as `volume.rs` says. Mean stress has no part in what yields: these displacements alone tell it.
     ///
     /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
     pub fn returned<const D: usize>(
         &self,
         of: (&Body<D>, Analysis),
         state: (&[Point<D>], f64),
-        flows: bool,
     ) -> Result<Self, FemError> {
-        let flows = flows || !self.is_nothing();
+        let flows = !self.is_nothing();
         let after = self.after(of, state, flows)?;
         match flows || after.is_nothing() {
             true => Ok(after),
@@ -364,21 +366,24 @@ impl Yielded {
                     let mut start = *before;
                     start[7] = now[7];
                     let trial = stress(body, cells, (cell, q), state, &start)?;
-                    done.beyond = done.beyond.max(metal.beyond(found, now[6]));
+                    done.beyond = done.beyond.max(metal.beyond(found, now[EQUIVALENT]));
                     for (borne, gradient) in borne.iter_mut().zip(&here.gradients) {
-                        *borne += here.volume * metal.strength(now[6]) * norm(*gradient);
+                        *borne += here.volume * metal.strength(now[EQUIVALENT]) * norm(*gradient);
                     }
                     done.trial = done.trial.max(von_mises(trial));
-                    if now[6] == 0.0 {
+                    if now[EQUIVALENT] == 0.0 {
                         continue;
                     }
                     let more = std::array::from_fn(|c| now[c] - before[c]);
                     let dissipated = here.volume * work(found, more);
                     done.gained += dissipated.min(0.0);
-                    let strength = metal.strength(now[6]);
+                    let strength = metal.strength(now[EQUIVALENT]);
                     flow.add(Flow {
                         dissipated,
-                        hardened: here.volume * metal.hardening * now[6] * (now[6] - before[6]),
+                        hardened: here.volume
+                            * metal.hardening
+                            * now[EQUIVALENT]
+                            * (now[EQUIVALENT] - before[EQUIVALENT]),
                         sheared: here.volume * strength.powi(2) / (6.0 * cells.lame.mu),
                         swings: 0.0,
                     });
@@ -401,6 +406,7 @@ impl Yielded {
                     done.flow.add(flow);
                     let [whole, borne] = [largest(whole.into_iter().map(norm)), largest(borne)];
                     let [least, most] = SCALES.map(|part| part * borne);
+                    let least = if volume > 0.0 { least } else { 0.0 };
                     done.force = done.force.max(whole.clamp(least, most));
                 }
             }

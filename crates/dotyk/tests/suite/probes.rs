@@ -223,19 +223,13 @@ fn fields_of_bodies_are_read_by_their_names() {
         error.unwrap().to_string()
     };
     for (quantity, words) in [
-        ("block.strain", ["line 11", "ends after `strain`"]),
-        ("block.strain.zx", ["line 11", "unknown component `zx`"]),
-        ("block.strain.zz.z", ["`zz` has no components", "here"]),
-        ("block.yielded", ["does not yield", "plastic = true"]),
-        (
-            "block.strian.zz",
-            ["unknown quantity of a body `strian`", "strain"],
-        ),
+        ("block.strain", "the quantity ends after `strain`"),
+        ("block.strain.zx", "unknown component `zx`"),
+        ("block.strain.zz.z", "`zz` has no components here"),
+        ("block.yielded", "of a body that does not yield"),
+        ("block.strian.zz", "unknown quantity of a body `strian`"),
     ] {
         let said = refused(quantity);
-        assert!(
-            words.iter().all(|word| said.contains(word)),
-            "{quantity}: {said}"
-        );
+        assert!(said.contains(words), "{quantity}: {said}");
     }
 }

@@ -11,6 +11,7 @@ mod faces;
 mod floors;
 mod friction;
 mod histories;
+mod metals;
 mod rounds;
 mod structures;
 mod travel;
@@ -64,7 +65,7 @@ pub const FAMILIES: [(&str, Make); 28] = [
 
 /// Families that came later. They are drawn by themselves: a further one among those above would make another problem of every
 /// seed. What a seed means in a family by name stays, whatever comes.
-pub const MORE: [(&str, Make); 17] = [
+pub const MORE: [(&str, Make); 18] = [
     ("travel", travel::travel),
     ("steps", faces::steps_of_a_floor),
     ("teeth", faces::teeth),
@@ -82,6 +83,7 @@ pub const MORE: [(&str, Make); 17] = [
     ("graded", structures::graded),
     ("edge", rounds::edge),
     ("yielding", structures::yielding),
+    ("metal", metals::metal),
 ];
 
 /// The problem of a seed; `only` is the family, else the seed chooses among the first ones, or those that came later.
@@ -172,6 +174,10 @@ impl Scene {
             body.young /= softest;
             if let Some(beyond) = &mut body.more.beyond {
                 beyond.young /= softest;
+            }
+            if let Some(metal) = &mut body.more.metal {
+                metal.yields /= softest;
+                metal.hardening /= softest;
             }
         }
         if self.random.chance(0.4) {

@@ -4,6 +4,7 @@ pub mod attempt;
 pub mod between;
 pub mod equilibrate;
 pub mod finish;
+pub mod flow;
 pub mod intrusion;
 pub mod jam;
 pub mod judge;

@@ -21,7 +21,7 @@ use crate::model::nouns::told::told_once;
 use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
-use crate::model::system::condense::{Condensed, again, linearise};
+use crate::model::system::condense::{Condensed, linearise};
 use crate::model::system::condition::{Condition, Source, row_ranges};
 use crate::model::system::state::State;
 use crate::solve::ContactSolver;
@@ -246,14 +246,7 @@ fn solve_step<const D: usize>(
     let from = Start { own, guess };
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
-    let (mut attempt, mut judged) = equilibrate(model, condensed, from, observe)?;
-    let mut parted = Vec::new();
-    while let Some(more) = torn::torn(model, condensed, &attempt) {
-        again(model, condensed, &more.lost, observe)?;
-        parted.push(more.words);
-        let (further, again) = equilibrate(model, condensed, from, observe)?;
-        (attempt, judged) = (attempt.followed_by(further), again);
-    }
+    let (attempt, mut judged, parted) = equilibrate(model, condensed, from, observe)?;
     condensed.seconds.contact += lap.seconds();
     observe(Event::Stage("recover"));
     if attempt.failure.is_none() {

@@ -62,11 +62,6 @@ impl<const D: usize> LoadedBody<D> {
         forces
     }
 
-    /// Something of it has yielded, as far as its load knows.
-    pub fn flows(&self) -> bool {
-        self.system.history.yielded.is_some()
-    }
-
     /// Adds the lift of the prescribed displacements to the load.
     pub fn new(system: BodySystem<D>, rows: Arc<BodyRows>) -> Self {
         let mut reduced_load = system.load.clone();

@@ -1,0 +1,420 @@
+//! Equilibrium of bodies that yield: elastic problems with contact, one after the other, until the plastic strain is that of the
+//! answer.
+//!
+//! ```text
+//!   t ─ R ─▶ ε_p ─ K, F, contact ─▶ u(ε_p) =: T(t),        T(t) = t
+//! ```
+//!
+//! R returns the stress of displacements t to what the material bears (`fem/plastic.rs`), from the plastic strain that the step
+//! began with; the load of ε_p then moves the bodies to u, with the factors and F of the elastic bodies, contact solved to the
+//! end. With von Mises' law and contact without friction T is the steepest descent of a convex energy in the norm of the elastic
+//! one, with a step that never overshoots. Anderson's method makes of its hundreds of steps some tens.
+//!
+//! *When it ends.* (u, R(u)) is the answer: its stress is one that the material bears, and what its nodes leave unbalanced is
+//! the load of R(u) − ε_p. Where that is nothing beside the largest force of a cell on a node of the same body (another one may bear
+//! any times as much), the answer is judged as that of the elastic problem. Bodies that do not yield pass once, and nothing of this is done.
+
+use crate::dual::OfYield;
+use crate::fem::{FemError, Increment, Yielded};
+use crate::geometry::{Point, dot, norm, sub};
+use crate::model::march::attempt::{Attempt, Start, run};
+use crate::model::march::judge::Judged;
+use crate::model::nouns::error::{Error, Objection};
+use crate::model::nouns::event::Event;
+use crate::model::nouns::model::Model;
+use crate::model::system::condense::{Condensed, assume, go_part};
+use crate::model::system::condition::contact_rows;
+use crate::model::system::displaced::Displaced;
+use crate::model::system::recover::elastic_displacement;
+use crate::model::system::state::AllYielded;
+use crate::solve::{Anderson, Outcome};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Most elastic problems of one step.
+const MOST: usize = 600;
+
+/// Most of them while the part of a step is looked for that bodies can bear, and how narrowly that is told.
+const FEWER: usize = 200;
+const NARROW: f64 = 1e-3;
+
+/// What is left unbalanced where the accelerated steps end, of what may be: the judge has still to solve once more.
+const BELOW: f64 = 0.1;
+
+/// After so many steps the scales of forces are taken anew: a body may have been unloaded at first.
+const RESCALED: usize = 10;
+
+/// Bodies flow by themselves, and are not driven, where prescribed motion does no more than this part of the work that they dissipate.
+const DRIVEN: f64 = 0.1;
+
+/// Displacements that strain each body, (D·n,), in the frames of its nodes.
+type Strained = Vec<Vec<f64>>;
+
+/// The search for the plastic strain of a step.
+pub(crate) struct Turns {
+    /// That which the step began with, of bodies that may yield.
+    began: Vec<Option<Yielded>>,
+    /// Elastic problems that have been solved.
+    done: usize,
+    /// Prescribed motion makes the bodies flow, and may go as far as it will.
+    driven: bool,
+}
+
+impl Turns {
+    /// That of a step, which begins with what has yielded before.
+    pub fn new<const D: usize>(
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+    ) -> Result<Self, Error<D>> {
+        let before = condensed.state.yielded().into_iter();
+        let began = before.zip(&model.bodies).map(|(before, body)| {
+            let began = match (body.is_plastic(), before) {
+                (false, _) => return Ok(None),
+                (true, Some(before)) => Ok(Yielded::clone(&before)),
+                (true, None) => Yielded::nothing(body, model.analysis),
+            };
+            began.map(Some).map_err(|why| Error::in_body(body, why))
+        });
+        Ok(Self {
+            began: began.collect::<Result<_, _>>()?,
+            done: 0,
+            driven: false,
+        })
+    }
+
+    /// Goes on from an attempt that is certified, where its bodies have not yielded as its displacements say; `None` where they have, or
+    /// nothing can be done: then the attempt says why. The bodies carry the plastic strain of the last step.
+    pub fn next<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        (mut attempt, judged, from): (Attempt<D>, &Judged<D>, Start<'_>),
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<(Attempt<D>, bool), Error<D>> {
+        if attempt.failure.is_some() || self.began.iter().all(Option::is_none) {
+            return Ok((attempt, false));
+        }
+        let strained = &judged.displaced.strained;
+        let left = self.left(model, condensed, strained)?;
+        let done = self.increments(model, condensed, strained)?;
+        let balanced = are_small(&left, model.solver.tolerance, &sizes(&done));
+        let held = balanced && held_by_cells(&done);
+        if held || self.done >= MOST {
+            let lambda = &attempt.outcome.multipliers.lambda;
+            let work = prescribed_work(condensed, &judged.displaced, lambda);
+            self.driven = work > DRIVEN * dissipated(&done);
+        }
+        if balanced && (!held || self.driven) {
+            return Ok((attempt, false));
+        }
+        if balanced || self.done >= MOST {
+            let start = (strained.clone(), &attempt, from);
+            let carried = self.carried(model, condensed, start)?;
+            attempt.failure = Some(Objection::Yields {
+                turns: (!balanced).then_some(MOST),
+                driven: self.driven,
+                carried,
+            });
+            return Ok((attempt, false));
+        }
+        let start = (strained.clone(), attempt, from);
+        let (_, attempt) = self.settle(model, condensed, start, observe)?;
+        Ok((attempt, true))
+    }
+
+    /// What is made of each body that may yield, by its index, the plastic strain that it began with, and its displacements in
+    /// global axes.
+    fn each<const D: usize, T: Send>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+        make: impl Fn(usize, &Yielded, &[Point<D>]) -> Result<T, FemError> + Sync,
+    ) -> Result<Vec<Option<T>>, Error<D>> {
+        let each = self.began.par_iter().enumerate().map(|(index, began)| {
+            let Some(began) = began else { return Ok(None) };
+            let u = condensed.bodies[index].system.to_global(&strained[index]);
+            let made = make(index, began, &u);
+            made.map(Some)
+                .map_err(|why| Error::in_body(&model.bodies[index], why))
+        });
+        each.collect()
+    }
+
+    /// R of displacements.
+    fn returned<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+    ) -> Result<AllYielded, Error<D>> {
+        let returned = self.each(model, condensed, strained, |index, began, u| {
+            let of = (&model.bodies[index], model.analysis);
+            began.returned(of, (u, condensed.time))
+        })?;
+        let some = |yielded: Yielded| (!yielded.is_nothing()).then(|| Arc::new(yielded));
+        Ok(returned.into_iter().map(|own| own.and_then(some)).collect())
+    }
+
+    /// The largest nodal force of each body that displacements leave unbalanced where the plastic strain is theirs, and not that of the
+    /// load.
+    fn left<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+    ) -> Result<Vec<Option<f64>>, Error<D>> {
+        self.each(model, condensed, strained, |index, began, u| {
+            let of = (&model.bodies[index], model.analysis);
+            let loaded = &condensed.bodies[index];
+            let now = began.returned(of, (u, condensed.time))?;
+            let assumed = loaded.system.history.yielded.as_deref();
+            let rest = now.less(assumed).forces(of.0, of.1)?;
+            Ok(largest(rest.into_iter().map(norm)))
+        })
+    }
+
+    /// What has been done since the step began, of each body that may yield.
+    fn increments<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        strained: &Strained,
+    ) -> Result<Vec<Option<Increment<D>>>, Error<D>> {
+        self.each(model, condensed, strained, |index, began, u| {
+            let of = (&model.bodies[index], model.analysis);
+            let now = began.returned(of, (u, condensed.time))?;
+            now.since(began, of, (u, condensed.time))
+        })
+    }
+
+    /// Accelerated steps from some displacements, until little is left unbalanced or no step can be made; the displacements then,
+    /// and the bodies carry the plastic strain of the last step.
+    fn settle<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        (mut state, mut attempt, from): (Strained, Attempt<D>, Start<'_>),
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<(Strained, Attempt<D>), Error<D>> {
+        let mut anderson = Anderson::default();
+        let mut scales = Vec::new();
+        for turn in 0.. {
+            if self.done >= MOST {
+                break;
+            }
+            self.done += 1;
+            assume(model, condensed, self.returned(model, condensed, &state)?)?;
+            let guess = attempt.outcome.multipliers.clone();
+            let start = Start {
+                guess: Some(&guess),
+                ..from
+            };
+            attempt = attempt.followed_by(run(model, condensed, start, observe)?);
+            if attempt.failure.is_some() {
+                break;
+            }
+            let lambda = &attempt.outcome.multipliers.lambda;
+            let bodies = condensed.bodies.par_iter().zip(&condensed.factored);
+            let image = bodies.take(model.bodies.len());
+            let image =
+                image.map(|(body, factored)| elastic_displacement(body, factored, lambda, None));
+            let image: Strained = image.collect();
+            if turn % RESCALED == 0 {
+                scales = sizes(&self.increments(model, condensed, &image)?);
+            }
+            let left = self.left(model, condensed, &image)?;
+            if are_small(&left, BELOW * model.solver.tolerance, &scales) {
+                return Ok((image, attempt));
+            }
+            let (after, before) = (self.flat(&image), self.flat(&state));
+            let residual = after.iter().zip(&before).map(|(a, b)| a - b).collect();
+            let mut next = anderson.next(after, residual).into_iter();
+            state = image;
+            let yielding = state.iter_mut().zip(&self.began);
+            for (u, _) in yielding.filter(|(_, began)| began.is_some()) {
+                u.iter_mut().zip(&mut next).for_each(|(u, next)| *u = next);
+            }
+        }
+        Ok((state, attempt))
+    }
+
+    /// The displacements of bodies that may yield, one behind the other.
+    fn flat(&self, all: &Strained) -> Vec<f64> {
+        let yielding = all.iter().zip(&self.began);
+        let yielding = yielding.filter(|(_, began)| began.is_some());
+        yielding.flat_map(|(u, _)| u.iter().copied()).collect()
+    }
+
+    /// The part of the step that the bodies can bear, by bisection; the problem is that of the whole step again then. It is not told
+    /// where stress or strain is in such a body before anything acts: that comes with the load, and is in the law, too.
+    fn carried<const D: usize>(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        (start, attempt, from): (Strained, &Attempt<D>, Start<'_>),
+    ) -> Result<Option<f64>, Error<D>> {
+        let mut plastic = model.bodies.iter().filter(|body| body.is_plastic());
+        if plastic.any(|body| body.initial.stress.is_some() || body.initial.strain.is_some()) {
+            return Ok(None);
+        }
+        let mut state: Strained = start.iter().map(|u| vec![0.0; u.len()]).collect();
+        let [mut low, mut high] = [0.0, 1.0];
+        while high - low > NARROW {
+            let share = 0.5 * (low + high);
+            go_part(model, condensed, Some(share))?;
+            self.done = MOST - FEWER;
+            let begun = Attempt {
+                method: attempt.method.clone(),
+                outcome: Outcome::new(attempt.outcome.multipliers.clone(), 0),
+                history: Vec::new(),
+                failure: None,
+            };
+            let from_here = (state.clone(), begun, from);
+            let (found, ended) = self.settle(model, condensed, from_here, &mut |_| {})?;
+            let settled = ended.failure.is_none() && self.done < MOST;
+            let held = || {
+                let done = self.increments(model, condensed, &found)?;
+                Ok(!self.driven && held_by_cells(&done))
+            };
+            match settled && !held()? {
+                true => (low, state) = (share, found),
+                false => high = share,
+            }
+        }
+        go_part(model, condensed, None)?;
+        Ok(Some(low))
+    }
+
+    /// Takes over the plastic strain of the displacements, and judges it.
+    ///
+    /// What is left unbalanced is found from stresses: what acts on the nodes besides the load of the plastic strain, less what holds the
+    /// returned stress. So that load, and the way to it, is judged with the rest.
+    ///
+    /// Errors: those of the law of a body.
+    pub fn take_over<const D: usize>(
+        &self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        judged: &mut Judged<D>,
+    ) -> Result<(), Error<D>> {
+        if self.began.iter().all(Option::is_none) {
+            return Ok(());
+        }
+        let strained = &judged.displaced.strained;
+        let done = self.increments(model, condensed, strained)?;
+        let left = self.each(model, condensed, strained, |index, _, _| {
+            let system = &condensed.bodies[index].system;
+            let mut rest = judged.displaced.states[index].total.clone();
+            let mut take = |forces: &[Point<D>]| {
+                let both = rest.iter_mut().zip(forces);
+                both.for_each(|(rest, force)| *rest = sub(*rest, *force));
+            };
+            if let Some(assumed) = &system.history.yielded {
+                take(&assumed.forces(&model.bodies[index], model.analysis)?);
+            }
+            take(done[index].as_ref().map_or(&[], |own| &own.held));
+            Ok(largest(rest.into_iter().map(norm)))
+        })?;
+        let yielded = self.returned(model, condensed, strained)?;
+        // what has not yielded is judged as all that is elastic
+        let left = left.into_iter().zip(&yielded);
+        let left = left.map(|(left, own)| left.filter(|_| own.is_some()));
+        let left = worst_of(&left.collect::<Vec<_>>(), &sizes(&done));
+        let stresses = |of: fn(&Increment<D>) -> f64| -> Vec<Option<f64>> {
+            done.iter().map(|own| own.as_ref().map(of)).collect()
+        };
+        let beyond = worst_of(&stresses(|own| own.beyond), &stresses(|own| own.trial));
+        let states = judged.displaced.states.iter();
+        let energy = states.map(|state| state.strain_energy).sum();
+        let gained = done.iter().flatten().map(|own| own.gained).sum::<f64>();
+        judged.certificate.yields = Some(OfYield::new(
+            (left, model.solver.tolerance),
+            beyond,
+            [-gained, energy],
+        ));
+        for (state, own) in judged.displaced.states.iter_mut().zip(&done) {
+            if let Some(own) = own {
+                (state.strain_energy, state.yielded) = (own.stored, own.extent);
+            }
+        }
+        for (body, own) in condensed.bodies.iter_mut().zip(yielded) {
+            body.system.history.yielded = own;
+        }
+        Ok(())
+    }
+}
+
+/// The largest force of a cell on a node, of each body.
+fn sizes<const D: usize>(done: &[Option<Increment<D>>]) -> Vec<Option<f64>> {
+    done.iter()
+        .map(|own| own.as_ref().map(|own| own.force))
+        .collect()
+}
+
+/// Whether values of bodies are all within this part of their scales.
+fn are_small(values: &[Option<f64>], part: f64, scales: &[Option<f64>]) -> bool {
+    let [value, scale] = worst_of(values, scales);
+    value <= part * scale
+}
+
+/// The value of a body that is largest beside its scale, and that.
+fn worst_of(values: &[Option<f64>], scales: &[Option<f64>]) -> [f64; 2] {
+    let known = values.iter().zip(scales);
+    let known = known.filter_map(|(value, scale)| Some([(*value)?, (*scale)?]));
+    let part = |[value, scale]: &[f64; 2]| if *value == 0.0 { 0.0 } else { value / scale };
+    let worst = known.max_by(|a, b| part(a).total_cmp(&part(b)));
+    worst.unwrap_or_default()
+}
+
+/// Some body is held by what its cells cannot do: see [`Increment::flow`].
+fn held_by_cells<const D: usize>(done: &[Option<Increment<D>>]) -> bool {
+    let mut flows = done.iter().flatten().map(|own| own.flow);
+    flows.any(|flow| flow.is_held_by_cells())
+}
+
+/// The work that all bodies dissipate.
+fn dissipated<const D: usize>(done: &[Option<Increment<D>>]) -> f64 {
+    done.iter().flatten().map(|own| own.flow.dissipated).sum()
+}
+
+/// Work that prescribed motion of supports, points and obstacles has done since the last step, under forces `lambda` (m,); that of points
+/// since the first one.
+fn prescribed_work<const D: usize>(
+    condensed: &Condensed<D>,
+    displaced: &Displaced<D>,
+    lambda: &[f64],
+) -> f64 {
+    let mut work = 0.0;
+    let before = condensed.state.displacements();
+    for (state, before) in displaced.states.iter().zip(before) {
+        for (node, (force, u)) in state.reactions.iter().zip(&state.u).enumerate() {
+            let then = before.map_or([0.0; D], |u| u[node]);
+            work += dot(*force, sub(*u, then));
+        }
+    }
+    let parts = condensed.bodies.iter().enumerate();
+    for (part, loaded) in parts.skip(displaced.states.len()) {
+        let moved = displaced.nodes(part).as_flattened().iter();
+        let held = loaded.held_forces(lambda).into_iter().zip(moved);
+        work += held.map(|(force, u)| force * u).sum::<f64>();
+    }
+    let contacts = contact_rows(&condensed.conditions);
+    let prescribed =
+        contacts.filter(|(_, (_, own))| own.mortar.is_none() && own.opposite.is_none());
+    for (_, (rows, condition)) in prescribed {
+        let motion = condition.touch.obstacle_motion;
+        let then = condensed.state.obstacle(&condition.name);
+        let motion = sub(motion, then.unwrap_or([0.0; D]));
+        for (row, force) in condition.interface.mortar.iter().zip(&lambda[rows]) {
+            let along = row.iter().map(|(_, c)| dot(*c, motion));
+            work += force * along.sum::<f64>();
+        }
+    }
+    work
+}
+
+/// The largest of some numbers ≥ 0; zero where there is none.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
+}
