@@ -169,12 +169,12 @@ impl Run {
             (AnyCase::Plane(case), AnyRun::Plane(run)) => {
                 let stage = case.model.stage(run.standing()[step].time);
                 let body = &stage.bodies[index];
-                dotyk::case::GivenMesh::Plane(Arc::new(body.mesh.clone()), body.points.clone())
+                dotyk::case::GivenMesh::Plane(Arc::clone(&body.mesh), body.points.clone())
             }
             (AnyCase::Space(case), AnyRun::Space(run)) => {
                 let stage = case.model.stage(run.standing()[step].time);
                 let body = &stage.bodies[index];
-                dotyk::case::GivenMesh::Space(Arc::new(body.mesh.clone()), body.points.clone())
+                dotyk::case::GivenMesh::Space(Arc::clone(&body.mesh), body.points.clone())
             }
             _ => return Err(errors::internal(py)),
         };

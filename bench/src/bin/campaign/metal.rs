@@ -81,9 +81,9 @@ fn linear(points: &[(Vector, f64)], values: &[f64]) -> Vec<f64> {
     }
     for k in 0..3 {
         for i in k + 1..3 {
-            let part = matrix[i][k] / matrix[k][k];
-            for j in k..3 {
-                matrix[i][j] -= part * matrix[k][j];
+            let (pivot, part) = (matrix[k], matrix[i][k] / matrix[k][k]);
+            for (entry, above) in matrix[i].iter_mut().zip(pivot) {
+                *entry -= part * above;
             }
             right[i] -= part * right[k];
         }
