@@ -14,7 +14,7 @@
 //! *Equilibrium.* ε_p is a strain that is there before the body deforms, as that of temperature is (`initial.rs`): it enters the
 //! load alone, K u = f + ∫ Cε_p·∇N dV, and the stiffness stays that of the elastic body. What is asked for is the ε_p that returns
 //! to itself, ε_p = R(ε(u(ε_p))). The increment minimises a convex energy whose stiffness is at most C, so that u ← u(R(ε(u))) is
-//! a descent that never overshoots; it is accelerated (`model/march/equilibrate.rs`).
+//! a descent that never overshoots; it is accelerated (`model/march/flow.rs`).
 //!
 //! Cells that flow resist a part of their change of volume alone (`volume.rs`). What only cells hold, and no material, is told by works
 //! and energies of the flow.
@@ -126,8 +126,9 @@ impl Flow {
 }
 
 /// Forces of a cell are a scale between these times those of its yield stress, from below where it has yielded: what is unloaded bears
-/// no stress, and its nodal forces are rounding of those of Cε_p and Cε, which are each other's. Where a load is more than what is borne displacements run away, and
-/// so does the rounding of stresses, which no scale must follow: what is left unbalanced would be nothing beside it.
+/// no stress, and its nodal forces are rounding of those of Cε_p and Cε, which are each other's. Where a load is more than what is
+/// borne displacements run away, and so does the rounding of stresses, which no scale must follow: what is left unbalanced would be
+/// nothing beside it.
 const SCALES: [f64; 2] = [1e-2, 10.0];
 
 impl Metal {
@@ -407,7 +408,8 @@ impl Yielded {
                     let [whole, borne] = [largest(whole.into_iter().map(norm)), largest(borne)];
                     let [least, most] = SCALES.map(|part| part * borne);
                     let least = if volume > 0.0 { least } else { 0.0 };
-                    done.force = done.force.max(whole.clamp(least, most));
+                    // no `clamp`: what runs away may be no number
+                    done.force = done.force.max(whole.min(most).max(least));
                 }
             }
         }

@@ -181,8 +181,11 @@ fn from_anywhere(
             Ended::Stuck(next) => states = next,
             ended => return ended,
         }
+        if search.exhausted() {
+            return Ended::Stuck(states);
+        }
         let coarse = levels::start(setup, &|(tolerance, most), coarse, tell| {
-            let rough = method.within(tolerance, most);
+            let rough = method.within(tolerance, most.min(method.max_iterations));
             let rescues = if inside { &[] } else { CLOSE };
             rough.search(coarse, None, (&ROUGH, rescues), tell)
         });
@@ -301,6 +304,16 @@ mod tests {
         };
         assert_eq!(solve(&chain(SMALL - 1)), 0);
         assert!(solve(&chain(SMALL)) > 0);
+        // nor do they pass what is allowed
+        for most in 1..=12 {
+            let few = Newton::default().within(1e-8, most);
+            let made = match few.solve(&chain(200), None, &mut silent) {
+                Ok(outcome) => outcome.iterations,
+                Err(SolveError::NotConverged { outcome, .. }) => outcome.iterations,
+                Err(other) => panic!("{other}"),
+            };
+            assert!(made <= most, "{made} steps of {most}");
+        }
         let mut alone = chain(SMALL);
         alone.neighbours.clear();
         assert_eq!(solve(&alone), 0);

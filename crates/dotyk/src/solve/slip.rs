@@ -132,7 +132,7 @@ fn climb<'a, S: FixedBounds>(
     let (tolerance, most) = method.limits();
     let mut search = Search::new((tolerance, most.min(SINGLE)), setup);
     let coarse = |(tolerance, _), setup: &Setup<'_>, observe: Observer<'_>| {
-        coarse(&method.within(tolerance, COARSE), setup, observe)
+        coarse(&method.within(tolerance, COARSE.min(most)), setup, observe)
     };
     let mut states = match guess {
         Some(guess) => search.states_of_guess(guess)?,

@@ -357,6 +357,34 @@ fn what_a_model_of_the_same_stiffness_left_is_taken_up_and_nothing_else() {
     }
 }
 
+/// A body comes in the second step: the first stage of the next model begins behind the last one of this.
+#[test]
+fn models_with_stages_take_up_bodies_that_are_the_same() {
+    let with = |young: f64, load: f64| {
+        let mut model = punch(&[0.5, 1.0]);
+        model.bodies[0].materials[0].elastic.young = young;
+        model.press(BodyId(1), "top", load);
+        let mesh = rectangle([5.0, 0.0], [6.0, 1.0], [4, 4]);
+        let late = model.body("late", mesh, STEEL);
+        model.fix(late, "bottom", [Some(0.0); 2]);
+        model.press(late, "top", load);
+        model.bodies[late.0].active.from = 0.75;
+        model
+    };
+    let mut reuse = Reuse::default();
+    for (young, load) in [(210e3, 10.0), (210e3, 20.0), (100e3, 20.0)] {
+        let model = with(young, load);
+        let reused = model.solve_steps_reusing(&mut reuse, &mut |_| {}).unwrap();
+        let alone = model.solve_steps().unwrap();
+        assert_eq!(reused.len(), alone.len());
+        for (reused, alone) in reused.iter().zip(&alone) {
+            // the same problem, but for rounding of its right-hand side
+            assert_same(reused, alone, 1e-11);
+            assert_eq!(reused.warnings, alone.warnings);
+        }
+    }
+}
+
 #[test]
 fn friction_of_another_strength_and_failures_leave_what_was_factored() {
     let with = |coefficient: f64, push: f64| {

@@ -12,7 +12,7 @@
 //!
 //! *When it ends.* (u, R(u)) is the answer: its stress is one that the material bears, and what its nodes leave unbalanced is
 //! the load of R(u) − ε_p. Where that is nothing beside the largest force of a cell on a node of the same body (another one may bear
-//! any times as much), the answer is judged as that of the elastic problem. Bodies that do not yield pass once, and nothing of this is done.
+//! any times as much), the answer is judged as that of the elastic problem. Where no body may yield nothing of this is done.
 
 use crate::dual::OfYield;
 use crate::fem::{FemError, Increment, Yielded};
@@ -82,8 +82,10 @@ impl Turns {
         })
     }
 
-    /// Goes on from an attempt that is certified, where its bodies have not yielded as its displacements say; `None` where they have, or
-    /// nothing can be done: then the attempt says why. The bodies carry the plastic strain of the last step.
+    /// Goes on from an attempt that is certified, where its bodies have not yielded as its displacements say: the attempt then, and
+    /// whether it went on. Where nothing can be done it says why. The bodies carry the plastic strain of the last step.
+    ///
+    /// Errors: those of [`run`], and of the law of a body.
     pub fn next<const D: usize>(
         &mut self,
         model: &Model<D>,
@@ -317,9 +319,12 @@ impl Turns {
             Ok(largest(rest.into_iter().map(norm)))
         })?;
         let yielded = self.returned(model, condensed, strained)?;
-        // what has not yielded is judged as all that is elastic
-        let left = left.into_iter().zip(&yielded);
-        let left = left.map(|(left, own)| left.filter(|_| own.is_some()));
+        // what neither has yielded nor is loaded as if it had is judged as all that is elastic
+        let loads = condensed.bodies.iter().zip(&yielded);
+        let plastic =
+            loads.map(|(body, own)| body.system.history.yielded.is_some() || own.is_some());
+        let left = left.into_iter().zip(plastic);
+        let left = left.map(|(left, plastic)| left.filter(|_| plastic));
         let left = worst_of(&left.collect::<Vec<_>>(), &sizes(&done));
         let stresses = |of: fn(&Increment<D>) -> f64| -> Vec<Option<f64>> {
             done.iter().map(|own| own.as_ref().map(of)).collect()

@@ -66,65 +66,44 @@ use {Dimension::*, Shape::*};
 impl<const D: usize> FieldKind<D> {
     /// All of them, in the order of files.
     pub const ALL: &'static [Self] = &[
-        Self {
-            plain: false,
-            ..Self::new("displacement", Vector, Length, |own| {
-                of_nodes(own, &own.displacement)
-            })
-        },
-        Self {
-            plain: false,
-            ..Self::new("stress", Tensor, Stress, |own| Some(own.stress.concat()))
-        },
+        Self::new("displacement", Vector, Length, |own| {
+            of_nodes(own, &own.displacement)
+        })
+        .apart(),
+        Self::new("stress", Tensor, Stress, |own| Some(own.stress.concat())).apart(),
         Self::new("strain", Tensor, Ratio, |own| Some(own.strain.concat())),
-        Self {
-            plain: false,
-            ..Self::new("von_mises", Number, Stress, |own| {
-                Some(own.von_mises.clone())
-            })
-        },
-        Self {
-            plain: false,
-            ..Self::new("utilisation", Number, Ratio, |own| {
-                own.utilisation.as_ref().map(|own| own.nodal.clone())
-            })
-        },
-        Self {
-            plastic: true,
-            ..Self::new("plastic_strain", Tensor, Ratio, |own| {
-                own.yielding.as_ref().map(|own| own.strain.concat())
-            })
-        },
-        Self {
-            plastic: true,
-            ..Self::new("equivalent_plastic_strain", Number, Ratio, |own| {
-                own.yielding.as_ref().map(|own| own.equivalent.clone())
-            })
-        },
-        Self {
-            plastic: true,
-            ..Self::new("yielded", Number, Ratio, |own| {
-                own.yielding.as_ref().map(|own| own.share.clone())
-            })
-        },
-        Self {
-            plain: false,
-            ..Self::new("principal_stress", Principal, Stress, |own| {
-                Some(own.principal_stress().concat())
-            })
-        },
-        Self {
-            plain: false,
-            ..Self::new("reaction", Vector, Force, |own| {
-                of_nodes(own, &own.reactions)
-            })
-        },
-        Self {
-            plain: false,
-            ..Self::new("contact_force", Vector, Force, |own| {
-                of_nodes(own, &own.contact_forces)
-            })
-        },
+        Self::new("von_mises", Number, Stress, |own| {
+            Some(own.von_mises.clone())
+        })
+        .apart(),
+        Self::new("utilisation", Number, Ratio, |own| {
+            own.utilisation.as_ref().map(|own| own.nodal.clone())
+        })
+        .apart(),
+        Self::new("plastic_strain", Tensor, Ratio, |own| {
+            own.yielding.as_ref().map(|own| own.strain.concat())
+        })
+        .of_metal(),
+        Self::new("equivalent_plastic_strain", Number, Ratio, |own| {
+            own.yielding.as_ref().map(|own| own.equivalent.clone())
+        })
+        .of_metal(),
+        Self::new("yielded", Number, Ratio, |own| {
+            own.yielding.as_ref().map(|own| own.share.clone())
+        })
+        .of_metal(),
+        Self::new("principal_stress", Principal, Stress, |own| {
+            Some(own.principal_stress().concat())
+        })
+        .apart(),
+        Self::new("reaction", Vector, Force, |own| {
+            of_nodes(own, &own.reactions)
+        })
+        .apart(),
+        Self::new("contact_force", Vector, Force, |own| {
+            of_nodes(own, &own.contact_forces)
+        })
+        .apart(),
     ];
 
     const fn new(
@@ -141,6 +120,17 @@ impl<const D: usize> FieldKind<D> {
             plastic: false,
             values,
         }
+    }
+
+    /// Probes have a reading of their own of it, or none.
+    const fn apart(mut self) -> Self {
+        self.plain = false;
+        self
+    }
+
+    const fn of_metal(mut self) -> Self {
+        self.plastic = true;
+        self
     }
 }
 
