@@ -96,6 +96,12 @@ const FAILED: [&[u64]; 2] = [
 const FAILED_MORE: &[(&str, u64)] = &[
     ("edge", 240_663_960),
     ("graded", 200_417_299),
+    ("metal", 98),
+    ("metal", 125),
+    ("metal", 159),
+    ("metal", 194),
+    ("metal", 736),
+    ("metal", 816),
     ("shared", 238_392_131),
     ("stack", 238_432_234),
     ("whole", 31),
