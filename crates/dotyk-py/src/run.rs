@@ -5,9 +5,9 @@ use crate::errors;
 use crate::mesh::rows;
 use crate::worker::{Caller, wait};
 use dotyk::case::{AnyCase, Case, CaseError};
-use dotyk::model::{ContactNode, Shape, Solution};
+use dotyk::model::{BodyField, ContactNode, On, Shape, Solution};
 use dotyk::output::{self, FailedStep, Record};
-use numpy::PyArray1;
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -279,7 +279,12 @@ fn body_arrays<'py, const D: usize>(
     dict.set_item("shown", points(&answer.shown())?)?;
     // at the nodes alone: on a border between materials that of the one that is stressed most
     let stressed = answer.borders.largest(&answer.von_mises);
+    let cells = PyDict::new(py);
     for field in answer.fields() {
+        if field.on == On::Cells {
+            cells.set_item(field.name, of_cells(py, &field)?)?;
+            continue;
+        }
         let at = |place: usize, k: usize| field.values[place * field.shape.components() + k];
         let of_nodes = match field.shape {
             Shape::Number => {
@@ -302,7 +307,19 @@ fn body_arrays<'py, const D: usize>(
         };
         dict.set_item(field.name, of_nodes)?;
     }
+    dict.set_item("cells", cells)?;
     Ok(dict)
+}
+
+/// Values of a field of cells, (cells,) or (cells, components).
+fn of_cells<'py>(py: Python<'py>, field: &BodyField) -> PyResult<Bound<'py, PyAny>> {
+    let values = PyArray1::from_slice(py, &field.values);
+    Ok(match field.shape.components() {
+        1 => values.into_any(),
+        count => values
+            .reshape([field.values.len() / count, count])?
+            .into_any(),
+    })
 }
 
 fn contact_arrays<'py, const D: usize>(

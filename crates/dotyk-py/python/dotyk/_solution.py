@@ -532,6 +532,21 @@ class BodySolution(_Frozen):
         return self._array("yielded")  # type: ignore[no-any-return]
 
     @property
+    def cell_data(self) -> dict[str, Array]:
+        """Results of cells by name, in the order of the mesh: `yielded`, where a material of the body yields, is the share of the cell's
+        points that have yielded in this step. Files and exports have them as arrays of cells.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("axisymmetric")
+        >>> mesh = dotyk.rectangle([0, 0], [1, 2], cells=[2, 4], cell="quad8")
+        >>> bar = m.body("bar", mesh, young=200, poisson=0.3, strength={"yield": 1}, plastic=True, hardening=10)
+        >>> s = bar.fix("bottom", y=0).load("top", traction=[0, 1.5]) and m.solve()
+        >>> s.bodies["bar"].cell_data["yielded"].tolist()
+        [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]
+        """
+        return {name: _frozen(values) for name, values in self._array("cells").items()}
+
+    @property
     def reactions(self) -> Array:
         """Forces of supports and springs ON the nodes (n, 2 or 3).
 
@@ -589,8 +604,15 @@ class BodySolution(_Frozen):
         >>> sorted(punch.to_meshio().cell_sets)
         ['bottom', 'left', 'right', 'top']
         """
+        import numpy as np
+
         mesh = self.mesh.to_meshio()
         mesh.point_data.update(self._fields())
+        counts = [len(block.data) for block in mesh.cells]
+        for name, values in self.cell_data.items():
+            # facets of the sides stand behind the cells
+            facets = np.full((sum(counts) - len(values), *values.shape[1:]), np.nan)
+            mesh.cell_data[name] = np.split(np.concatenate([values, facets]), np.cumsum(counts)[:-1])
         return mesh
 
     def to_pyvista(self) -> Any:
@@ -617,6 +639,8 @@ class BodySolution(_Frozen):
         grid = pyvista.UnstructuredGrid(np.concatenate(cells), np.concatenate(kinds), np.array(points))
         for name, values in self._fields().items():
             grid.point_data[name] = values
+        for name, values in self.cell_data.items():
+            grid.cell_data[name] = values
         return grid
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -326,6 +326,8 @@ pub(crate) fn points_within<const D: usize>(
 pub(crate) struct VolumePoint<'a> {
     /// Index of the block of its cell.
     pub block: usize,
+    /// The place of its cell in that.
+    pub number: usize,
     /// Nodes of its cell.
     pub cell: &'a [u32],
     /// Of the nodes of the cell.
@@ -343,11 +345,12 @@ pub(crate) fn volume_points<const D: usize>(
     let points = body.mesh.points();
     for (index, block) in body.mesh.blocks().iter().enumerate() {
         let table = CellTable::<D>::new(block.kind, 2 * block.kind.order() + 2);
-        for cell in block.cells() {
+        for (number, cell) in block.cells().enumerate() {
             for q in 0..table.len() {
                 let (point, _, volume) = table.map(q, |local| points[cell[local] as usize]);
                 visit(VolumePoint {
                     block: index,
+                    number,
                     cell,
                     shape: table.shape(q),
                     volume: volume * measure(analysis, body.thickness, point),

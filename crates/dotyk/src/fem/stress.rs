@@ -127,8 +127,10 @@ pub(crate) struct YieldedFields {
     pub strain: Vec<[f64; 6]>,
     /// Equivalent plastic strain.
     pub equivalent: Vec<f64>,
-    /// Share of points around at which that has grown.
+    /// Mean of `cells` around.
     pub share: Vec<f64>,
+    /// By cell, block by block: the share of its points at which that has grown.
+    pub cells: Vec<f64>,
 }
 
 /// What has yielded of a body, and since `before`, as [`recover_stress`]; shares are means over cells.
@@ -149,22 +151,39 @@ pub(crate) fn recover_yielded<const D: usize>(
         recover((body, analysis), (&still, 0.0), samples, local, &borders)
     };
     let equivalent = |at: Sample| points[at.block][at.place][6];
-    let grown = |at: Sample| {
+    let grown = |block: usize, place: usize| {
         let then = before.as_ref();
-        let then = then.map_or(0.0, |before| before[at.block][at.place][6]);
-        f64::from(u8::from(equivalent(at) > then))
+        let then = then.map_or(0.0, |before| before[block][place][6]);
+        f64::from(u8::from(points[block][place][6] > then))
     };
+    // share of the points of each cell, block by block
+    let cells: Vec<Vec<f64>> = (body.mesh.blocks().iter().enumerate())
+        .map(|(index, block)| {
+            let number = block.cells().len();
+            let count = points[index].len() / number.max(1);
+            let share = |cell: usize| {
+                (count * cell..count * (cell + 1))
+                    .map(|place| grown(index, place))
+                    .sum::<f64>()
+                    / count as f64
+            };
+            (0..number).map(share).collect()
+        })
+        .collect();
+    let of_cell =
+        |at: Sample| cells[at.block][at.place * cells[at.block].len() / points[at.block].len()];
     let first = |values: Vec<[f64; 6]>| -> Vec<f64> { values.iter().map(|own| own[0]).collect() };
     let strain = of_points(Samples::OfStiffness, &|at| {
         std::array::from_fn(|c| points[at.block][at.place][c])
     })?;
     let sizes = of_points(Samples::OfStiffness, &|at| [equivalent(at); 6])?;
-    let share = of_points(Samples::MeansOfStiffness, &|at| [grown(at); 6])?;
+    let share = of_points(Samples::MeansOfStiffness, &|at| [of_cell(at); 6])?;
     Ok(YieldedFields {
         strain,
         // beside the border of what has yielded a linear function may swing
         equivalent: first(sizes).into_iter().map(|own| own.max(0.0)).collect(),
         share: first(share),
+        cells: cells.concat(),
     })
 }
 

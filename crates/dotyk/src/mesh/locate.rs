@@ -11,11 +11,16 @@ use rstar::{AABB, RTree};
 /// A point may lie outside a cell by this much in reference coordinates: a polygon's sagitta, not more.
 const OUTSIDE: f64 = 0.1;
 
+/// A point nearer to the border of a cell than this, in reference coordinates, is on it: what Newton's method leaves.
+const WITHIN: f64 = 1e-9;
+
 /// What the value at a place is made of.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Located<const D: usize> {
     /// Index of the block of the cell, or of that behind the facet: its material.
     pub block: usize,
+    /// Its place among those of the block, where the place lies within it and not on its border.
+    pub cell: Option<usize>,
     pub nodes: Vec<usize>,
     /// Shape functions of the nodes.
     pub shape: Vec<f64>,
@@ -30,6 +35,7 @@ impl<const D: usize> Located<D> {
     pub fn at_node(block: usize, node: usize, normal: Point<D>) -> Self {
         Self {
             block,
+            cell: None,
             nodes: vec![node],
             shape: vec![1.0],
             normal,
@@ -44,6 +50,7 @@ impl<const D: usize> Located<D> {
         let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
         Self {
             block: facet.block as usize,
+            cell: None,
             shape: shape[..nodes.len()].to_vec(),
             nodes,
             normal: unit(mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]),
@@ -76,7 +83,7 @@ pub(crate) fn locate_all<const D: usize>(
     let tree = RTree::bulk_load(indexed.collect());
     let mut best: Vec<Option<(f64, Located<D>)>> = vec![None; points.len()];
     for (index, block) in mesh.blocks().iter().enumerate() {
-        for cell in block.cells() {
+        for (number, cell) in block.cells().enumerate() {
             let corners: Vec<Point<D>> = cell
                 .iter()
                 .map(|&node| mesh.points()[node as usize])
@@ -95,6 +102,7 @@ pub(crate) fn locate_all<const D: usize>(
                     block.kind.shape(&xi, &mut shape);
                     let found = Located {
                         block: index,
+                        cell: (outside < -WITHIN).then_some(number),
                         nodes: cell.iter().map(|&node| node as usize).collect(),
                         shape: shape[..cell.len()].to_vec(),
                         normal: [0.0; D],

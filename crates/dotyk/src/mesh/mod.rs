@@ -152,6 +152,12 @@ impl<const D: usize> Mesh<D> {
         self.blocks.iter().map(|block| block.cells().len()).sum()
     }
 
+    /// Number of cells in the blocks before this one.
+    pub fn cells_before(&self, block: usize) -> usize {
+        let before = self.blocks[..block].iter();
+        before.map(|block| block.cells().len()).sum()
+    }
+
     /// Nodes of a cell.
     pub fn cell_nodes(&self, block: usize, cell: usize) -> &[u32] {
         let block = &self.blocks[block];

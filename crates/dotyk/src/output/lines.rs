@@ -47,7 +47,7 @@ pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
     let figures: Markup = figures.collect();
     match figures.is_empty() {
         true => figures,
-        false => markup!("<h2>Along lines</h2>\n{}", figures),
+        false => markup!("<h2>Along lines</h2>\n") + figures,
     }
 }
 

@@ -4,11 +4,17 @@
 //! out of templates alone, [`markup!`], which escape whatever is not markup itself, so that an escape cannot be forgotten.
 
 use std::fmt::{self, Display, Write};
-use std::ops::{Add, AddAssign, Deref};
+use std::ops::{Add, AddAssign, Deref, Range};
 
 /// Markup of this program. It reads as text, but no text becomes markup unescaped, and it cannot be formatted into text.
+///
+/// It knows the figures among its parts, as long as these are added: what fills a template is a part of one text.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Markup(String);
+pub struct Markup {
+    text: String,
+    /// Title of each, and where it stands.
+    figures: Vec<(String, Range<usize>)>,
+}
 
 /// Markup from a template: a literal with `{}` for each part, which is escaped if it is not markup.
 macro_rules! markup {
@@ -24,23 +30,47 @@ pub(crate) use markup;
 impl Markup {
     /// A template with its parts; for [`markup!`] alone.
     pub fn filled(template: fmt::Arguments<'_>) -> Self {
-        Self(template.to_string())
+        Self::from(template.to_string())
+    }
+
+    fn from(text: String) -> Self {
+        Self {
+            text,
+            figures: Vec::new(),
+        }
+    }
+
+    /// All of it as a figure with this title.
+    pub fn titled(self, title: &str) -> Self {
+        let whole = 0..self.text.len();
+        Self {
+            figures: vec![(title.to_string(), whole)],
+            ..self
+        }
+    }
+
+    /// Its figures in their order, which do not nest: title and markup of each.
+    pub fn figures(&self) -> Vec<(String, String)> {
+        let figures = self.figures.iter();
+        figures
+            .map(|(title, at)| (title.clone(), self.text[at.clone()].to_string()))
+            .collect()
     }
 
     /// What is markup, style or script since the program was compiled.
     pub fn own(text: &'static str) -> Self {
-        Self(text.to_string())
+        Self::from(text.to_string())
     }
 
     /// Data for the inside of a script element, which no text of it can end.
     pub fn json(data: &serde_json::Value) -> Self {
         let data = data.to_string().replace('<', "\\u003c");
-        Self(data.replace('>', "\\u003e"))
+        Self::from(data.replace('>', "\\u003e"))
     }
 
     /// The markup as text, to be written into a file.
     pub fn into_string(self) -> String {
-        self.0
+        self.text
     }
 }
 
@@ -48,13 +78,17 @@ impl Deref for Markup {
     type Target = str;
 
     fn deref(&self) -> &str {
-        &self.0
+        &self.text
     }
 }
 
 impl AddAssign for Markup {
     fn add_assign(&mut self, more: Self) {
-        self.0 += &more.0;
+        let before = self.text.len();
+        self.text += &more.text;
+        let figures = more.figures.into_iter();
+        self.figures
+            .extend(figures.map(|(title, at)| (title, before + at.start..before + at.end)));
     }
 }
 
@@ -136,13 +170,6 @@ fn escaped(c: char) -> Option<&'static str> {
     }
 }
 
-/// The text that was escaped.
-pub fn unescape(markup: &str) -> String {
-    let plain = markup.replace("&lt;", "<").replace("&gt;", ">");
-    let plain = plain.replace("&quot;", "\"").replace("&#39;", "'");
-    plain.replace("&amp;", "&")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -158,7 +185,6 @@ mod tests {
             *both,
             *format!("<i title=\"{escaped}\"><p>{escaped}</p> 3</i>")
         );
-        assert_eq!(unescape("&amp;lt; &lt;&quot;"), "&lt; <\"");
         let list: Markup = [&once, &both].map(Clone::clone).into_iter().collect();
         assert_eq!(list, once + both);
     }

@@ -45,7 +45,7 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> Markup {
 
 /// The figures of `report.html` in their order: title and `<figure>` of each.
 pub fn figures<const D: usize>(run: &Overview<'_, D>) -> Vec<(String, String)> {
-    html::figures(&content(run))
+    content(run).figures()
 }
 
 /// What stands between head and footer of `report.html`.

@@ -83,13 +83,13 @@ pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) 
         Analysis::Axisymmetric => "circumference at the middle of the cut",
         _ => "thickness",
     };
-    markup!(
+    let head = markup!(
         "<h2>Section forces</h2>\n<p>By equilibrium of the parts that each cut divides, about the middle of the cut, per unit of {}. \
          N is positive in tension; M is positive with tension on the first side; V is positive where it pushes the part ahead \
-         towards the first side, which lies on the left of s.</p>\n{}",
-        per,
-        parts
-    )
+         towards the first side, which lies on the left of s.</p>\n",
+        per
+    );
+    head + parts
 }
 
 fn one_section<const D: usize>(

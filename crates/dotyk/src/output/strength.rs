@@ -24,16 +24,19 @@ pub fn strength_section<const D: usize>(
     let elastic = "The stress is elastic. Where it exceeds the strength the material would yield or break and hand stress on to its \
                    neighbourhood, which is not computed: what is overstressed tells where that begins, not how far it goes.";
     let mut asked = solution.bodies.iter().filter(|b| b.utilisation.is_some());
-    markup!(
-        "<h2>Strength</h2>\n{}{}{}<p>{}</p>\n",
+    let elastic = match asked.all(|body| body.yielding.is_some()) {
+        true => "",
+        false => elastic,
+    };
+    [
+        markup!("<h2>Strength</h2>\n"),
         figures.utilisation(solution),
         bodies(solution, labels),
-        words.collect::<Markup>(),
-        match asked.all(|body| body.yielding.is_some()) {
-            true => "",
-            false => elastic,
-        },
-    )
+        words.collect(),
+        markup!("<p>{}</p>\n", elastic),
+    ]
+    .into_iter()
+    .collect()
 }
 
 fn bodies<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Markup {

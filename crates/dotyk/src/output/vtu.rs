@@ -8,7 +8,8 @@
 //! multipliers, nodes between them have what is linear there and the state of the corner that bears most. With friction or a tie there is `shear`, the traction
 //! on this body. `utilisation` is there where a body of the model has a strength: 1 is failure, infinite beyond the apex of a criterion,
 //! NaN where a body or group has none. `plastic_strain`, `equivalent_plastic_strain` and `yielded`, the share of the cells around
-//! that has yielded in this step, are there where a material of the model yields. Cells have the index of their body; field data are the time and the units.
+//! that has yielded in this step, are there where a material of the model yields. Cells have the index of their body, and where a
+//! material yields the share `yielded` of their own points; field data are the time and the units.
 //! A node on a border between materials is a point for each of them, with the stress and strain of its own: the cells of the
 //! further materials name points behind the nodes. All else is the same at both.
 //! Arrays are inline, little-endian, zlib in blocks, base64.
@@ -17,7 +18,7 @@
 use crate::geometry::{Point, padded, unit};
 use crate::mesh::Mesh;
 use crate::model::{
-    Analysis, BodyField, BodySolution, Law, Model, OnSide, Shape, Solution, Status,
+    Analysis, BodyField, BodySolution, Law, Model, On, OnSide, Shape, Solution, Status,
 };
 use crate::output::encode::zlib;
 use crate::output::markup::{Markup, markup};
@@ -71,15 +72,19 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     );
     out.push_str("<PointData Vectors=\"displacement\" Scalars=\"von_mises\">\n");
     let (tensor, vector) = component_names(model.analysis);
-    for field in body_fields(solution, body) {
-        let components: &[&str] = match field.shape {
-            Shape::Number => &[],
-            Shape::Vector => &vector,
-            Shape::Tensor => &tensor,
-            Shape::Principal => &["s1", "s2", "s3"],
-        };
-        floats(&mut out, field.name, components, &field.values);
-    }
+    let results = body_fields(solution, body, types.len());
+    let put = |out: &mut String, on: On| {
+        for field in results.iter().filter(|field| field.on == on) {
+            let components: &[&str] = match field.shape {
+                Shape::Number => &[],
+                Shape::Vector => &vector,
+                Shape::Tensor => &tensor,
+                Shape::Principal => &["s1", "s2", "s3"],
+            };
+            floats(out, field.name, components, &field.values);
+        }
+    };
+    put(&mut out, On::Nodes);
     floats(&mut out, "pressure", &[], &numbers(&fields.pressure));
     floats(&mut out, "gap", &[], &numbers(&fields.gap));
     floats(
@@ -110,15 +115,19 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
         .flat_map(|_| (body as i32).to_le_bytes())
         .collect();
     array(&mut out, "Int32", "body", &[], &index);
+    put(&mut out, On::Cells);
     out.push_str("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
     out
 }
 
 /// The fields of a body, those among them that other bodies alone have: NaN. Readers of several bodies find the same arrays in all.
-fn body_fields<const D: usize>(solution: &Solution<D>, body: usize) -> Vec<BodyField> {
+fn body_fields<const D: usize>(
+    solution: &Solution<D>,
+    body: usize,
+    cells: usize,
+) -> Vec<BodyField> {
     let bodies = &solution.bodies;
     let mut own = bodies[body].fields();
-    let places = bodies[body].borders.count();
     let some: [fn(&BodySolution<D>) -> bool; 2] =
         [|b| b.utilisation.is_some(), |b| b.yielding.is_some()];
     for has in some.into_iter().filter(|has| !has(&bodies[body])) {
@@ -126,8 +135,13 @@ fn body_fields<const D: usize>(solution: &Solution<D>, body: usize) -> Vec<BodyF
             continue;
         };
         for (at, field) in other.fields().into_iter().enumerate() {
-            if own.iter().all(|known| known.name != field.name) {
-                let values = vec![f64::NAN; places * field.shape.components()];
+            let is = |known: &BodyField| (known.name, known.on) == (field.name, field.on);
+            if !own.iter().any(is) {
+                let count = match field.on {
+                    On::Nodes => bodies[body].borders.count(),
+                    On::Cells => cells,
+                };
+                let values = vec![f64::NAN; count * field.shape.components()];
                 own.insert(at.min(own.len()), BodyField { values, ..field });
             }
         }

@@ -1,6 +1,6 @@
 //! Section "Yielding" of the report: what has yielded of each body, and its picture.
 
-use crate::model::{BodySolution, Solution};
+use crate::model::Solution;
 use crate::output::figures::Figures;
 use crate::output::html::{column, left, plain, table, text};
 use crate::output::markup::{Markup, markup};
@@ -10,14 +10,6 @@ use crate::output::text::{Labels, number};
 /// The border of what has yielded is where the equivalent plastic strain is this part of the largest: nearer to none it is what
 /// the mean over cells leaves.
 const BORDER: f64 = 0.01;
-
-/// Equivalent plastic strain of a body where stress is given; NaN where nothing may yield.
-fn equivalent<const D: usize>(body: &BodySolution<D>) -> Vec<f64> {
-    match &body.yielding {
-        Some(own) => own.equivalent.clone(),
-        None => vec![f64::NAN; body.borders.count()],
-    }
-}
 
 /// The largest equivalent plastic strain; zero where nothing has yielded.
 fn largest<const D: usize>(solution: &Solution<D>) -> f64 {
@@ -34,7 +26,11 @@ pub fn yielding_picture<const D: usize>(solution: &Solution<D>) -> Picture<D> {
         title: "Plastic zone",
         label: "Plastic strain",
         most_called: "largest equivalent plastic strain",
-        values: solution.bodies.iter().map(equivalent).collect(),
+        values: solution
+            .bodies
+            .iter()
+            .map(|body| body.at_nodes("equivalent_plastic_strain"))
+            .collect(),
         high: most,
         limit: BORDER * most,
         most: None,
@@ -79,10 +75,12 @@ pub fn yielding_section<const D: usize>(
             "Nothing has yielded: the answer is that of elastic bodies.",
         ),
     };
-    markup!(
-        "<h2>Yielding</h2>\n{}{}<p>{}</p>\n",
+    [
+        markup!("<h2>Yielding</h2>\n"),
         picture,
         table(&heads, rows.collect()),
-        words
-    )
+        markup!("<p>{}</p>\n", words),
+    ]
+    .into_iter()
+    .collect()
 }

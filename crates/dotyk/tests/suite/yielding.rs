@@ -278,6 +278,69 @@ fn tubes_yield_from_inside_as_a_program_in_one_dimension_says() {
     }
 }
 
+/// Where the plastic zone of a tube ends at a pressure, by p = (2 ln(c/a) + 1 − c²/b²)/√3, and what cells, nodes and probes tell of it.
+#[test]
+fn cells_nodes_and_probes_tell_how_far_a_tube_has_yielded() {
+    let pressures = [0.6, 0.65];
+    let bears = |c: f64| (2.0 * c.ln() + 1.0 - c * c / 4.0) / 3.0f64.sqrt();
+    let (mut low, mut end) = (1.0, 2.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + end);
+        match bears(middle) < pressures[1] {
+            true => low = middle,
+            false => end = middle,
+        }
+    }
+    let mut model = quarter(CellKind::Quad9, 20, 0.0, &pressures);
+    let mesh = model.bodies[0].mesh.clone();
+    let middle = |cell: usize| {
+        let nodes = &mesh.cell_nodes(0, cell)[..4];
+        let sum = |d: usize| {
+            nodes
+                .iter()
+                .map(|&n| mesh.points()[n as usize][d])
+                .sum::<f64>()
+        };
+        [0.25 * sum(0), 0.25 * sum(1)]
+    };
+    let cells = mesh.cell_count();
+    for cell in 0..cells {
+        let at = Reading::At(middle(cell));
+        let name = format!("cell{cell}");
+        model.probe(&name, "tube.yielded", at).unwrap();
+    }
+    model
+        .probe("corner", "tube.yielded", Reading::At([1.0, 0.0]))
+        .unwrap();
+    let solutions = model.solve_steps().unwrap();
+    let solved = &solutions[1];
+    let own = solved.bodies[0].yielding.as_ref().unwrap();
+    assert_eq!(own.cells.len(), cells);
+    let mut partly = 0;
+    for (cell, share) in own.cells.iter().enumerate() {
+        let [x, y] = middle(cell);
+        // half a cell is 0.025 thick
+        match x.hypot(y) - end {
+            beyond if beyond > 0.05 => assert_eq!(*share, 0.0),
+            beyond if beyond < -0.05 => assert_eq!(*share, 1.0),
+            _ => partly += 1,
+        }
+        let ninths = 9.0 * share;
+        assert!((ninths - ninths.round()).abs() < 1e-12, "{share}");
+        let name = format!("cell{cell}");
+        let probe = solved.probes.iter().find(|probe| probe.name == name);
+        assert_eq!(probe.unwrap().value, *share);
+    }
+    assert!((20..=40).contains(&partly), "{partly}");
+    let corner = solved.probes.iter().find(|probe| probe.name == "corner");
+    assert_eq!(corner.unwrap().value, 1.0);
+    assert!(own.share.iter().all(|share| (0.0..=1.0).contains(share)));
+    let of_cells = |field: &dotyk::model::BodyField| field.on == dotyk::model::On::Cells;
+    let fields = solved.bodies[0].fields();
+    let fields: Vec<_> = fields.iter().filter(|field| of_cells(field)).collect();
+    assert!(fields.len() == 1 && fields[0].name == "yielded" && fields[0].values == own.cells);
+}
+
 #[test]
 fn a_tube_collapses_where_theory_says() {
     // 2/√3 ln(b/a)

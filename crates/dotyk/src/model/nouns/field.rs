@@ -1,9 +1,9 @@
-//! Results of bodies that have a value everywhere, as one list: files, probes and Python go through it. A further one is an entry here
-//! and a member of `BodySolution`, which `read/fields.rs` fills.
+//! Results of bodies that have a value everywhere, as one list: files, probes, pictures and Python go through it. A further one is an
+//! entry here and a member of `BodySolution`, which `read/fields.rs` fills.
 
 use crate::geometry::padded;
 use crate::model::nouns::dimension::Dimension;
-use crate::model::nouns::solution::BodySolution;
+use crate::model::nouns::solution::{BodySolution, Solution};
 
 /// How many components a field has, and which.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +29,26 @@ impl Shape {
     }
 }
 
+/// What a field has its values of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum On {
+    /// Every node, and the further places of the body's `borders`.
+    Nodes,
+    /// Every cell, in the order of the mesh, block by block.
+    Cells,
+}
+
+/// The numbers at nodes that bodies of a solution have, in the order of files: what a picture may show.
+pub(crate) fn numbers_at_nodes<const D: usize>(
+    solution: &Solution<D>,
+) -> Vec<&'static FieldKind<D>> {
+    let shown = |kind: &&FieldKind<D>| {
+        let has = |body| (kind.values)(body).is_some();
+        (kind.shape, kind.on) == (Shape::Number, On::Nodes) && solution.bodies.iter().any(has)
+    };
+    FieldKind::ALL.iter().filter(shown).collect()
+}
+
 /// A result of a body that has a value everywhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyField {
@@ -38,7 +58,9 @@ pub struct BodyField {
     pub shape: Shape,
     /// What it is.
     pub dimension: Dimension,
-    /// Values at every node, and at the further places of the body's `borders`, with all components of a place together.
+    /// What has a value.
+    pub on: On,
+    /// All components of a place or cell together.
     pub values: Vec<f64>,
 }
 
@@ -47,6 +69,8 @@ pub(crate) struct FieldKind<const D: usize> {
     pub name: &'static str,
     pub shape: Shape,
     pub dimension: Dimension,
+    /// What it has values of.
+    pub on: On,
     /// Whether probes read it as its values at nodes say; others have a reading of their own.
     pub plain: bool,
     /// Of what yields alone.
@@ -92,6 +116,11 @@ impl<const D: usize> FieldKind<D> {
             own.yielding.as_ref().map(|own| own.share.clone())
         })
         .of_metal(),
+        Self::new("yielded", Number, Ratio, |own| {
+            own.yielding.as_ref().map(|own| own.cells.clone())
+        })
+        .of_metal()
+        .of_cells(),
         Self::new("principal_stress", Principal, Stress, |own| {
             Some(own.principal_stress().concat())
         })
@@ -106,6 +135,20 @@ impl<const D: usize> FieldKind<D> {
         .apart(),
     ];
 
+    /// Its name in words, for pictures.
+    pub fn label(&self) -> String {
+        match self.name {
+            "von_mises" => "von Mises stress".to_string(),
+            name => name.replace('_', " "),
+        }
+    }
+
+    /// The field of cells that has this name.
+    pub fn of_cells_named(name: &str) -> Option<&'static Self> {
+        let mut cells = Self::ALL.iter().filter(|kind| kind.on == On::Cells);
+        cells.find(|kind| kind.name == name)
+    }
+
     const fn new(
         name: &'static str,
         shape: Shape,
@@ -116,6 +159,7 @@ impl<const D: usize> FieldKind<D> {
             name,
             shape,
             dimension,
+            on: On::Nodes,
             plain: true,
             plastic: false,
             values,
@@ -132,16 +176,31 @@ impl<const D: usize> FieldKind<D> {
         self.plastic = true;
         self
     }
+
+    /// Probes within a cell read its value, those at nodes what a field of the same name has there.
+    const fn of_cells(mut self) -> Self {
+        self.on = On::Cells;
+        self.apart()
+    }
 }
 
 impl<const D: usize> BodySolution<D> {
-    /// All results that have a value at every node, and at the further places of `borders`.
+    /// Values of a number at every node, and at the further places of `borders`; NaN where there is none.
+    pub(crate) fn at_nodes(&self, name: &str) -> Vec<f64> {
+        let mut kinds = FieldKind::<D>::ALL.iter();
+        let kind = kinds.find(|kind| (kind.name, kind.on) == (name, On::Nodes));
+        let values = kind.and_then(|kind| (kind.values)(self));
+        values.unwrap_or_else(|| vec![f64::NAN; self.borders.count()])
+    }
+
+    /// All results that have a value everywhere, in the order of files.
     pub fn fields(&self) -> Vec<BodyField> {
         let field = |kind: &FieldKind<D>| {
             Some(BodyField {
                 name: kind.name,
                 shape: kind.shape,
                 dimension: kind.dimension,
+                on: kind.on,
                 values: (kind.values)(self)?,
             })
         };

@@ -259,6 +259,8 @@ pub struct Yielding {
     pub equivalent: Vec<f64>,
     /// The part of the cells around that has yielded in this step, in [0, 1].
     pub share: Vec<f64>,
+    /// The part of every cell, in the order of the mesh, that has yielded in this step.
+    pub cells: Vec<f64>,
     /// Area of what has a plastic strain, in space volume; without thickness, with axial symmetry that of the section.
     pub extent: f64,
     /// Plastic strain, behind it the equivalent one and the change of volume that the cell does not resist, at the points of

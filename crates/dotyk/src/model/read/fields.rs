@@ -169,6 +169,7 @@ fn yielding<const D: usize>(
             strain: vec![[0.0; 6]; borders.count()],
             equivalent: vec![0.0; borders.count()],
             share: vec![0.0; borders.count()],
+            cells: vec![0.0; body.mesh.cell_count()],
             extent: 0.0,
             points: Yielded::nothing(body, model.analysis)?.0,
         }));
@@ -178,6 +179,7 @@ fn yielding<const D: usize>(
         strain: found.strain,
         equivalent: found.equivalent,
         share: found.share,
+        cells: found.cells,
         extent: state.yielded,
         points: yielded.0.clone(),
     }))

@@ -145,6 +145,7 @@ pub(crate) fn stations_within<const D: usize>(
             point: at.point,
             located: Some(Located {
                 block: at.facet.block as usize,
+                cell: None,
                 shape: at.shape[..nodes.len()].to_vec(),
                 nodes,
                 normal: at.normal,

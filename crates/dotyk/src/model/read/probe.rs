@@ -271,6 +271,7 @@ fn within<const D: usize>(
     volume_points(body, analysis, |at| {
         let found = Located {
             block: at.block,
+            cell: Some(at.number),
             nodes: at.cell.iter().map(|&node| node as usize).collect(),
             shape: at.shape.to_vec(),
             normal: [0.0; D],
@@ -462,9 +463,15 @@ fn field<'a, const D: usize>(
             Quantified::Varies(ReadField::new(Carrier::Body(of), value))
         }
         Parts::Field(of, field, component) => {
-            let (kind, solved) = (&FieldKind::ALL[field], body(of).1);
-            let (values, count) = ((kind.values)(solved), kind.shape.components());
+            let (kind, (mesh, solved)) = (&FieldKind::ALL[field], body(of));
+            let count = kind.shape.components();
+            let values = (kind.values)(solved);
+            let of_cells = FieldKind::of_cells_named(kind.name);
+            let of_cells = of_cells.and_then(|kind| (kind.values)(solved));
             let value = move |at: &Located<D>| {
+                if let (Some(values), Some(cell)) = (&of_cells, at.cell) {
+                    return values[count * (mesh.cells_before(at.block) + cell) + component];
+                }
                 values.as_ref().map_or(f64::NAN, |values| {
                     let place = |node: usize| solved.borders.place(at.block, node);
                     at.interpolate(|node| [values[count * place(node) + component]])[0]

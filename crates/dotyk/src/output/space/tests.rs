@@ -210,6 +210,7 @@ fn the_pages_of_a_model_in_space_show_it() {
     let pictures = count(&page, "<image");
     assert!((17..=19).contains(&pictures), "{pictures}");
     assert_eq!((count(&page, "<canvas"), count(&page, "<script>")), (1, 1));
+    assert_eq!(record.figures().len(), count(&page, "<figure"));
 }
 
 #[test]

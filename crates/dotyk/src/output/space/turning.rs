@@ -4,7 +4,7 @@
 //! Quantities: positions are low + span · p / 65535, displacements unit · u / 32767, values high · v / 255.
 
 use crate::geometry::{Point, add_scaled, norm, sub};
-use crate::model::{Model, Solution};
+use crate::model::{Model, Solution, numbers_at_nodes};
 use crate::output::html;
 use crate::output::json::largest;
 use crate::output::markup::{Markup, markup};
@@ -15,7 +15,6 @@ use crate::output::space::thin::{Surface, thinned};
 use crate::output::svg::short;
 use crate::output::text::{Labels, number, quantity, with_unit};
 use crate::output::utilisation::drawn;
-use crate::output::vtu::judged;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::json;
@@ -25,7 +24,7 @@ pub const MOST_TRIANGLES: usize = 48_000;
 
 /// A quantity of all bodies.
 struct Shown {
-    name: &'static str,
+    name: String,
     unit: String,
     /// By body and place where stress is given; NaN where there is none.
     values: Vec<Vec<f64>>,
@@ -35,7 +34,7 @@ struct Shown {
 pub fn turning_view(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
     let shown = quantities(scene, solution);
     let names = shown.iter().enumerate();
-    let quantities = options(&mut names.map(|(i, q)| (i as i64, q.name.to_string())));
+    let quantities = options(&mut names.map(|(i, q)| (i as i64, q.name.clone())));
     let bodies = scene.model.bodies.iter().enumerate();
     let bodies = bodies.map(|(i, b)| (i as i64, b.name.clone()));
     let bodies = options(&mut std::iter::once((-1, "all bodies".to_string())).chain(bodies));
@@ -59,6 +58,7 @@ pub fn turning_view(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
         Markup::json(&data(scene, solution, &shown, factor)),
         html::script(),
     )
+    .titled("View that turns")
 }
 
 fn options(names: &mut dyn Iterator<Item = (i64, String)>) -> Markup {
@@ -91,28 +91,27 @@ fn quantities(scene: &Scene<'_>, solution: &Solution<3>) -> Vec<Shown> {
         let nodes = b.borders.nodes();
         nodes.map(|node| norm(b.displacement[node])).collect()
     });
-    let mut list = vec![
-        Shown {
-            name: "von Mises stress",
-            unit: labels.stress.clone(),
-            values: bodies().map(|b| b.von_mises.clone()).collect(),
+    // the utilisation ends where its colours do
+    let of_nodes = numbers_at_nodes(solution).into_iter().map(|kind| Shown {
+        name: kind.label(),
+        unit: labels.unit(kind.dimension).to_string(),
+        values: match kind.name {
+            "utilisation" => bodies().map(drawn).collect(),
+            name => bodies().map(|b| b.at_nodes(name)).collect(),
         },
+    });
+    let mut list: Vec<Shown> = of_nodes.collect();
+    list.insert(
+        1,
         Shown {
-            name: "displacement",
+            name: "displacement".to_string(),
             unit: labels.length.clone(),
             values: moved.collect(),
         },
-    ];
-    if judged(solution) {
-        list.push(Shown {
-            name: "utilisation",
-            unit: String::new(),
-            values: bodies().map(drawn).collect(),
-        });
-    }
+    );
     if !solution.contacts.is_empty() {
         list.push(Shown {
-            name: "contact pressure",
+            name: "contact pressure".to_string(),
             unit: labels.stress.clone(),
             values: pressures(scene, solution),
         });
@@ -218,7 +217,7 @@ fn data(
         .map(|(k, q)| {
             let whole = packed.known[k].iter().all(|k| *k > 0);
             json!({
-                "label": with_unit(q.name, &q.unit),
+                "label": with_unit(&q.name, &q.unit),
                 "high": quantity(ends[k], ""),
                 "values": STANDARD.encode(&packed.values[k]),
                 "known": (!whole).then(|| STANDARD.encode(&packed.known[k])),
