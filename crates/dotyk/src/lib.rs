@@ -18,7 +18,7 @@
 //! | [`prelude`], [`geometry`], [`mesh`], [`model`] | a program that builds a model and solves it |
 //! | [`case`], [`output`] | a front end that reads case files and writes results: the command line, a language binding |
 //! | [`dual`], [`solve`] | a solver of one's own: F, d, G and e as a [`DualProblem`](dual::DualProblem), an answer as `Outcome`; a model takes it by [`solve_by`](model::Model::solve_by), and forces found elsewhere by [`dual`](model::Model::dual) |
-//! | [`fem`], [`linalg`] | who assembles, factors and condenses bodies elsewhere, such as in several processes |
+//! | [`fem`], [`linalg`] | a program that assembles, factors and condenses bodies itself, in several processes for example |
 //! | [`host`] | how many threads and how much memory a process has |
 //! | [`analytic`] | comparisons with closed-form solutions |
 //!

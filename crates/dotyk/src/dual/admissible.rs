@@ -91,15 +91,15 @@ impl AdmissibleSet {
         self.iter().map(bound).collect()
     }
 
-    /// The set in which contacts with friction bear any shear beside their normal force: none of them can slip.
+    /// The set without slip: a node with friction bears any shear beside its normal force.
     ///
-    /// λ keeps its length. A block that bears no shear at all stays one.
+    /// λ keeps its length. A block that bears no shear at all stays as it is.
     pub fn sticking(&self) -> Self {
         let blocks = self.blocks.iter().flat_map(|block| block.sticking());
         Self::new(blocks.collect())
     }
 
-    /// The set in which blocks with friction have none where they slip, one answer for each block, and no end of it elsewhere.
+    /// The set in which friction vanishes where `slips` (one per block) is true and is unbounded in the other blocks with friction.
     pub fn with_slip(&self, slips: &[bool]) -> Self {
         let blocks = self.blocks.iter().zip(slips);
         let blocks = blocks.flat_map(|(block, slips)| match slips {
@@ -234,9 +234,9 @@ impl AdmissibleSet {
     /// bound·|slip| of every block with friction, the potential of its forces at bounds that follow from λ, beside its first
     /// component; energies ≥ 0.
     ///
-    /// Of a bound that follows from the normal force no more counts than twice the force of the block. One beyond that is
-    /// met by no shear: the node sticks, and would with half that bound, in a law of which the answer is one, too. A rough
-    /// contact, whose coefficient stands for infinity, has no bound, and times it the rounding of a slip would be an energy.
+    /// A bound that follows from the normal force counts up to twice the force of the block. A shear that stays below a larger
+    /// bound stays below half of it, too: the node sticks, and a law with half the bound has the same answer. A rough contact
+    /// has a coefficient that stands for infinity: its bound times the rounding of a slip would be a large energy.
     ///
     /// At a solution they equal [`AdmissibleSet::dissipated`]; elsewhere in Λ they are larger. `gap` gives that of a component.
     pub fn slip_potentials(

@@ -21,7 +21,7 @@ pub struct Balance {
     /// e, (r,).
     load: Vec<f64>,
     moments: Vec<bool>,
-    /// Z, Σ, M and L, or why there are none.
+    /// Z, Σ, M and L, or the error of the decomposition.
     split: Split,
     failure: Option<LinalgError>,
     /// M by columns, m vectors (k,).
@@ -56,7 +56,7 @@ impl Balance {
         Self::new(Modes::of_rows(&[], m), Vec::new())
     }
 
-    /// The same, told which rows balance moments (r,). A mode is scaled to largest displacement 1, so the row of a rotation
+    /// The same with the rows marked that balance moments (r,). A mode is scaled to largest displacement 1, so the row of a rotation
     /// is its moment over the largest distance from its axis: a force.
     pub fn with_moments(self, moments: Vec<bool>) -> Self {
         Self { moments, ..self }
@@ -64,7 +64,7 @@ impl Balance {
 
     /// Replaces the load by e (r,).
     pub fn set_load(&mut self, load: Vec<f64>) {
-        // a load of another length is an error of the problem, which its check tells
+        // `DualProblem::check` reports a load of another length
         let fits = load.len() == self.modes.nrows();
         let modes = self.split.modes.controlled.iter().zip(&self.split.sigma);
         let part =
@@ -89,7 +89,7 @@ impl Balance {
         &self.moments
     }
 
-    /// What contact controls of the modes, and what not.
+    /// The modes that contact controls, and those that it does not.
     ///
     /// # Errors
     /// [`LinalgError::NoConvergence`] of a singular value decomposition: entries are not finite.
@@ -112,7 +112,7 @@ impl Balance {
         self.split.rows.len()
     }
 
-    /// M, what contact forces do on the modes behind Ĝ = L⁻¹M: k rows (m,), of few entries where bodies are many.
+    /// M, the work of contact forces on the controlled modes (Ĝ = L⁻¹M): k rows (m,), sparse where bodies are many.
     pub fn rows(&self) -> &[SparseVector] {
         &self.split.rows
     }
@@ -127,7 +127,7 @@ impl Balance {
         self.split.coarse.is_none()
     }
 
-    /// v ← L⁻¹v, (k,): from what M gives to what Ĝ gives.
+    /// v ← L⁻¹v, (k,): from a product with M to the product with Ĝ.
     pub fn orthonormal(&self, v: &mut [f64]) {
         if let Some(coarse) = &self.split.coarse {
             v.copy_from_slice(&coarse.forward(v));
@@ -146,7 +146,7 @@ impl Balance {
         transposed(&columns, rows.len())
     }
 
-    /// What a unit force `i` does on the modes, Ĝᵢ (k,).
+    /// Work of a unit force `i` on the controlled modes, Ĝᵢ (k,).
     pub fn column(&self, i: usize) -> Vec<f64> {
         let mut column = self.columns[i].to_dense();
         self.orthonormal(&mut column);
@@ -204,7 +204,7 @@ impl Balance {
         alpha
     }
 
-    /// What is left of the balance of the rows of M, L times that of Ĝ.
+    /// The imbalance in the rows of M: L times the one of Ĝ.
     pub fn rest_of_rows(&self, rest: &[f64]) -> Vec<f64> {
         if self.is_orthonormal() {
             return rest.to_vec();
@@ -236,8 +236,8 @@ impl Balance {
         out.copy_from_slice(&self.from_rows(beta.collect()));
     }
 
-    /// Orthonormal α̂ whose pull vanishes on unknowns, from the rows of M there; `None` where bodies are few, or some are
-    /// held only together.
+    /// Orthonormal α̂ with Ĝᵀα̂ = 0 on the unknowns of these `rows` of M; `None` where bodies are few, or where some are held
+    /// only together.
     pub(crate) fn loose(&self, rows: &[SparseVector]) -> Option<Vec<Vec<f64>>> {
         if self.is_orthonormal() {
             return None;
@@ -308,7 +308,7 @@ mod tests {
                 assert!((product - f64::from(i == j)).abs() < 1e-14);
             }
         }
-        // λ of least norm that balances the reduced rows balances the original ones, the redundant included.
+        // The λ of least norm that balances the reduced rows balances the original ones, too, redundant rows included.
         let mut lambda = vec![0.0; 24];
         balance.add_transposed(1.0, balance.target(), &mut lambda);
         for i in 0..3 {

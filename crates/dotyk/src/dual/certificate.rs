@@ -1,5 +1,5 @@
-//! The certificate: eleven figures that tell how far an answer is from being one. It is the only judge of convergence, whoever
-//! solved.
+//! The certificate: eleven figures that measure the error of an answer. It is the only judge of convergence, whatever the
+//! solver.
 //!
 //! Each figure is a violation in the problem's units; over its scale it must not exceed its limit.
 //!
@@ -21,33 +21,33 @@
 //! moves is a load like any other; arm is the largest diameter of a body; energy is the elastic energy of all bodies, in stressed
 //! ground at least what it would release without its contacts. A scale of zero counts as 1.
 //!
-//! *What is coupled.* All of this is asked of bodies that contacts couple, domain by domain ([`Coupled`]): what a far body bears is
-//! no scale of this contact. A figure tells of the domain that is farthest from its limit. Loads may bypass a contact, be it because
-//! supports take them or because they balance each other, as those of heat do; beside the forces of contacts they count by a
-//! millionth alone, beside resultants of bodies in full. A contact with small forces beside others with large ones is judged by its
-//! own, down to a thousandth of these.
+//! *Domains.* A domain is a set of bodies that contacts couple ([`Coupled`]), and each has its own scales: the forces on a far body
+//! are no scale of this contact. A figure is that of the worst domain. Loads may bypass a contact because supports take them or
+//! because they balance each other, as thermal loads do. So a load counts in full in the scale of resultants, but only by a millionth
+//! in the scale of contact forces. A contact whose forces are smaller than those of others is judged by its own, down to a thousandth
+//! of the largest.
 //!
-//! *Force error.* The scale of gaps is one length for a whole domain. Between two stiff bodies a gap that is nothing beside
-//! that length may stand for a large force, and complementarity, a product, does not see it either. So every gap is turned into
-//! a force with the softness of its own contact, which is how far it gives way under a unit force: the figure is
-//! ‖λ − P(λ − gap/softness)‖, zero for an exact answer. Neighbouring contacts may be much stiffer against each other than each
-//! of them by itself, which the softness of one contact does not tell. So forces that an iteration has left are compared with
-//! those of the exact answer nearby as well, where exact steps find it.
+//! *Force error.* The scale of gaps is one length for a whole domain. Between two stiff bodies a gap that is negligible beside
+//! that length may stand for a large force, and complementarity, a product, does not see it either. So every gap is divided by
+//! the softness of its own component, its compliance under a unit force: the figure is ‖λ − P(λ − gap/softness)‖, zero for an
+//! exact answer. Neighbouring contacts may be much stiffer against each other than each of them by itself, which their
+//! softness does not show. So forces from an iteration are also compared with those of the exact answer nearby, where exact
+//! steps find it.
 //!
 //! *Slip violation* is the same for the shear alone: λₜ against the trial shear λₜ − gapₜ/softness, shortened to the bound that
 //! the law of the node gives beside λₙ. Where the node sticks gapₜ = 0; where it slips the trial shear points along the slip.
 //!
-//! *Rounding.* Multipliers finer than the softer side have forces that it answers alike: the stiffer side alone tells them apart, by
-//! gaps that may be less than the rounding of the coordinates. All figures above may be zero then, and the forces still be others. So
-//! they are asked how far they go when gaps change by as much as they are known.
+//! *Rounding of forces.* Where multipliers are finer than the mesh of the softer side, that side responds alike to different forces.
+//! Only the stiffer side distinguishes them, by gaps that may be less than the rounding of the coordinates: all figures above may be
+//! zero and the forces still wrong. This figure is the change of the forces when gaps change by their uncertainty.
 //!
 //! *Between nodes.* The conditions of a contact are imposed at its nodes. What the sides do between them is measured without
 //! knowing which conditions were imposed.
 //!
-//! *Overlap.* Contacts are where the model names them, and what lies opposite is what lay there at first. So the deformed surfaces
-//! of all bodies are looked at, too, by whoever knows them.
+//! *Overlap.* A model names its contacts, and facets are paired as they face each other at first. So the deformed surfaces of all
+//! bodies are compared, too; that is done where the bodies are known.
 //!
-//! *Rounding.* A gap is a difference of displacements that may be much larger than it: a soft body carries a stiff one along.
+//! *Rounding of gaps.* A gap is a difference of displacements that may be much larger: a soft body carries a stiff one along.
 //! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it.
 
 use std::fmt;
@@ -60,16 +60,16 @@ pub const IMBALANCE_LIMIT: f64 = 1e-10;
 /// Limit of the force error, in tolerances: neighbouring forces share their errors, a component by itself overstates them.
 pub const FORCE_LIMIT: f64 = 10.0;
 
-/// Limit of what rounding leaves open of forces: pressures are read to a percent.
+/// Limit of the uncertainty of forces by rounding: pressures are read to a percent.
 const OPEN_LIMIT: f64 = 1e-2;
 
 /// Limit of the penetration between nodes, in depths that the meshes can resolve.
 pub const BETWEEN_LIMIT: f64 = 10.0;
 
-/// Limit of what is beyond the yield stress, and of work that plastic strain gains: both are rounding of the return.
+/// Limit of stress beyond the yield stress, and of work gained by plastic strain: both are rounding of the return mapping.
 const YIELD_LIMIT: f64 = 1e-10;
 
-/// A gap is known to this part of the numbers that it is a difference of.
+/// Relative uncertainty of a gap: to this part of the numbers whose difference it is.
 pub(crate) const ROUNDING: f64 = 4e-15;
 
 /// One figure of the certificate.
@@ -94,13 +94,13 @@ impl Figure {
         }
     }
 
-    /// The figure is within its limit; NaN is not.
+    /// The figure is within its limit; a NaN never is.
     pub fn holds(&self) -> bool {
         self.relative <= self.limit
     }
 }
 
-/// What was checked of an answer: the only judge of convergence, whoever solved.
+/// The figures of an answer: the only judge of convergence, whatever the solver.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Certificate {
     /// Largest penetration, a length.
@@ -119,32 +119,31 @@ pub struct Certificate {
     pub slip_violation: Figure,
     /// Largest change of a force that its own gap asks for.
     pub force_error: Figure,
-    /// Largest change of a force that rounding of the gaps leaves open. Asked where multipliers are finer than the softer side and F
-    /// is assembled; zero elsewhere.
+    /// Uncertainty of forces: their largest change when gaps change by their rounding. Computed where multipliers are finer than the
+    /// softer side and F is assembled; zero elsewhere.
     pub rounding: Figure,
     /// Deepest penetration between the nodes, a length; relative to what the meshes can resolve.
     pub between_nodes: Figure,
-    /// Deepest overlap of the deformed bodies beyond the one at first, a length; relative to what is explained. Not asked: zero.
+    /// Deepest overlap of the deformed bodies beyond the initial one, a length; relative to the explained one. Zero where not computed.
     pub overlap: Figure,
-    /// What is asked of bodies that yield; `None` where none may.
+    /// Figures of bodies that yield; `None` where no body may yield.
     pub yields: Option<OfYield>,
 }
 
 /// Figures of bodies that yield, found from displacements and plastic strains.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OfYield {
-    /// Largest nodal force that the stress leaves unbalanced, over the largest force of a cell on a node; of the body
-    /// that is worst.
+    /// Largest nodal force that the stress leaves unbalanced, over the largest force of a cell on a node; of the worst body.
     pub equilibrium: Figure,
-    /// Largest stress beyond what the material bears, over the largest stress before anything yielded; of the body that is worst.
+    /// Largest stress beyond the yield stress, over the largest stress before anything yielded; of the worst body.
     pub yield_violation: Figure,
-    /// Work that plastic strain has gained where it must dissipate, over the elastic energy.
+    /// Work gained by plastic strain, which must dissipate, over the elastic energy.
     pub flow: Figure,
 }
 
 impl OfYield {
-    /// From what is left unbalanced, and the largest force, with the limit; the largest stress beyond the yield stress, and its scale;
-    /// and gained work, with its own.
+    /// From the unbalanced force, the largest force and the limit; the largest stress beyond the yield stress and its scale; the gained
+    /// work and its scale.
     pub fn new(
         ([left, force], tolerance): ([f64; 2], f64),
         [beyond, trial]: [f64; 2],
@@ -236,17 +235,16 @@ impl fmt::Display for Certificate {
     }
 }
 
-/// What a caller found from the displacements, independently of F.
+/// What a caller has computed from the displacements, independently of F.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recomputed<'a> {
     /// Gap at the contact unknowns (m,).
     pub gap: &'a [f64],
-    /// To what these gaps are known (m,), a length.
+    /// Uncertainty of these gaps (m,), a length.
     pub rounding: &'a [f64],
-    /// How far each force is from that of the answer that exact steps find beside these (m,); empty where that is not known.
+    /// Distance of each force from the answer of exact steps nearby (m,); empty where that answer is not known.
     pub exact: Vec<f64>,
-    /// What rounding of the gaps leaves open of each force (m,), infinite where they do not determine it; empty where that is not
-    /// asked.
+    /// Uncertainty of each force by rounding of the gaps (m,), infinite where they do not determine it; empty where not computed.
     pub open: Vec<f64>,
     /// Deepest penetration between the nodes, and what the meshes can resolve there: lengths.
     pub between: [f64; 2],
@@ -254,7 +252,7 @@ pub struct Recomputed<'a> {
     pub domains: Vec<OfDomain>,
 }
 
-/// What a caller found of bodies that contacts couple.
+/// What a caller has computed for one domain of coupled bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OfDomain {
     /// Largest violation of a condition without a multiplier, a length.
@@ -280,7 +278,7 @@ struct Worst {
 }
 
 impl Worst {
-    /// Takes over another violation where that is no smaller beside its scale. One that is no number is the largest.
+    /// Takes another violation if its relative value is at least as large. NaN counts as the largest.
     fn raise(&mut self, value: f64, scale: f64) {
         let other = Self { value, scale };
         let (own, new) = (self.relative(), other.relative());
@@ -321,7 +319,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// What they tell where nobody has recomputed anything.
+    /// The figures of a domain from these sums alone, where nothing was recomputed from displacements.
     fn told(&self, scales: &Scales) -> OfDomain {
         OfDomain {
             implied: 0.0,
@@ -386,7 +384,7 @@ impl Violations {
         });
     }
 
-    /// Sums and largest values over contacts and domains; `told` is the gap but for what is rounding of it.
+    /// Sums and largest values over contacts and domains; `told` is the gap without its rounding.
     fn sum(
         &mut self,
         problem: &DualProblem,
@@ -455,8 +453,8 @@ impl Violations {
         }
     }
 
-    /// Compares what is wrong with forces with those of their contact, and the rest, as it is `told` of each domain, with the scales
-    /// of that.
+    /// Compares errors of forces with the forces of their contact, and the other violations, `told` for each domain, with the scales
+    /// of the domain.
     fn compare(&mut self, problem: &DualProblem, told: impl Fn(usize, &Sums) -> OfDomain) {
         let contacts = std::mem::take(&mut self.contacts);
         let domains = std::mem::take(&mut self.domains);
@@ -511,7 +509,7 @@ impl DualProblem {
 
     /// The certificate of an answer, from the data of the dual problem alone.
     ///
-    /// Figures are relative to the scales of the problem; imbalances have the limit 1e-10, the others `tolerance`.
+    /// Figures are relative to the scales of the problem; their limits stand in the table of the module.
     /// Panics if lengths differ.
     pub fn certify(&self, multipliers: &Multipliers, tolerance: f64) -> Certificate {
         let gap = self.gap(multipliers);
@@ -584,7 +582,7 @@ impl DualProblem {
         self.violations(multipliers).residual()
     }
 
-    /// The component whose force differs most from what its law makes of force and gap; `None` without a finite one.
+    /// The component with the largest finite force error, the difference between its force and the projected trial force; else `None`.
     pub(crate) fn least_settled(&self, multipliers: &Multipliers) -> Option<usize> {
         let (lambda, gap) = (&multipliers.lambda, self.gap(multipliers));
         let terms = lambda.iter().zip(&gap).zip(&self.softness);
@@ -596,8 +594,8 @@ impl DualProblem {
         finite.max_by(|a, b| off(a).total_cmp(&off(b)))
     }
 
-    /// To what gaps are known from Fλ, d and Gᵀα. A motion that is large in one component rounds the others of its domain, too:
-    /// rotations are told from translations by differences of these.
+    /// Uncertainty of gaps from Fλ, d and Gᵀα. A motion that is large in one component rounds the others of its domain, too, because
+    /// rotations and translations are separated by differences of these.
     pub(crate) fn rounding(&self, gap: &[f64], alpha: &[f64]) -> impl Fn(usize) -> f64 {
         let domain = |i: usize| self.coupled.domain_of(i);
         let mut moved = vec![0.0f64; self.coupled.domains()];
@@ -628,7 +626,7 @@ impl DualProblem {
 
 /// What is left of a number beyond an uncertainty.
 fn beyond(value: f64, uncertainty: f64) -> f64 {
-    // in this order a NaN stays one
+    // in this order a NaN stays NaN
     if value.abs() <= uncertainty {
         return 0.0;
     }
@@ -816,7 +814,7 @@ mod tests {
         problem
     }
 
-    /// Answers far from being one.
+    /// Wrong answers.
     fn wrong_answers() -> Vec<Multipliers> {
         let numbers = crate::linalg::grid::noise(400);
         let of = |numbers: &[f64]| Multipliers {
@@ -975,8 +973,8 @@ mod tests {
         }
     }
 
-    /// Two plates that nothing couples, the second one with forces a billion times as large: a millionth of the first one's forces
-    /// is nothing beside those, and a violation of its own.
+    /// Two uncoupled plates, the second one with a billion times the forces of the first one: a millionth of the forces of the first is
+    /// negligible beside those of the second, and still a violation in its own domain.
     #[test]
     fn what_bears_a_far_domain_is_no_scale() {
         let far = 1e9;
@@ -1174,7 +1172,7 @@ mod tests {
             (own.imbalance_force, own.driving_force) = (0.5, 10.0);
         };
         assert_eq!(certify(driven).imbalance_force.relative, 0.05);
-        // a gap that the caller knows no better
+        // a gap whose uncertainty covers it
         let told = certify(|f| (f.gap, f.rounding) = (&[0.0, -1e-3], &[0.0, 2e-3]));
         assert_eq!(told.penetration.value, 0.0);
     }

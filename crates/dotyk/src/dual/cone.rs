@@ -1,4 +1,4 @@
-//! What is left of a target beyond a cone {Cx: x ≥ 0} of many sparse columns: y = t − Cx of the x ≥ 0 that minimises ‖y‖.
+//! The rest of a target t beyond a cone {Cx: x ≥ 0} of many sparse columns: y = t − Cx, x ≥ 0 such that ‖y‖ is least.
 //!
 //! y is the projection onto the polar cone, hence unique: Cᵀy ≤ 0 and y·(t − y) = 0. It is zero where the cone contains t,
 //! and else proves that it does not (Farkas): Cᵀy ≤ 0 and y·t > 0.
@@ -10,10 +10,10 @@
 //! ```
 //!
 //! with Mehrotra's predictor and corrector; ε keeps x bounded where bodies may be clamped against each other by any force.
-//! A step is one factorisation of I + C D Cᵀ, which is as sparse as the contacts between bodies are few. Its end is a good
-//! guess of the answer, and one of two corrections makes it one that can be checked: x > 0 moves by D Cᵀ(C D Cᵀ)⁻¹(t − Cx)
-//! with D = x², which vanishes where x does, until Cx = t; or t is projected onto the complement of the columns with
-//! xⱼ > sⱼ, and the others must not gain on it.
+//! A step is one factorisation of I + C D Cᵀ, which is sparse where each body has few contacts. The last iterate is a good
+//! guess, and one of two corrections makes it a verified answer: x > 0 moves by D Cᵀ(C D Cᵀ)⁻¹(t − Cx) with D = x², which
+//! vanishes with x, until Cx = t; or t is projected onto the complement of the columns with xⱼ > sⱼ, and no other column
+//! may gain on it.
 //!
 //! As described in Mehrotra (1992), On the implementation of a primal-dual interior point method.
 
@@ -23,17 +23,17 @@ use crate::linalg::{Cholesky, LinalgError, SparseVector, WeightedGram};
 /// ε² for columns and a target of unit length.
 const BOUNDED: f64 = 1e-12;
 
-/// Steps of the interior point method: 15 to 30 do.
+/// Most steps of the interior point method; 15 to 30 are usual.
 const STEPS: usize = 80;
 
-/// Mean product xⱼsⱼ and residual at its end.
+/// Mean product xⱼsⱼ and residual where it has converged.
 const CLOSE: f64 = 1e-13;
 const SETTLED: f64 = 1e-11;
 
 /// How far a step goes towards the border.
 const BORDER: f64 = 0.995;
 
-/// Corrections; two mostly do.
+/// Most corrections; two are usual.
 const CORRECTIONS: usize = 6;
 
 /// Repetitions of a projection; columns that are nearly dependent take more of them.
@@ -42,14 +42,14 @@ const PROJECTIONS: usize = 60;
 /// Rests below this part of the target are rounding.
 const NOTHING: f64 = 1e-14;
 
-/// Rests up to here answer that the cone contains the target.
+/// Up to this rest the cone contains the target.
 const INSIDE: f64 = 1e-12;
 
-/// Columns may gain that much on a rest: relative to it, or what is rounding of the target.
+/// Tolerance of column·rest: relative to the rest, or rounding of the target.
 const GAIN: f64 = 1e-10;
 const ROUNDING: f64 = 1e-13;
 
-/// Compliance of the columns that the rest is to have no part along, relative to what it leaves free.
+/// Relative compliance of the columns to which the rest is to be orthogonal.
 const STIFF: f64 = 1e-8;
 
 /// The rest of `target` (k,) beyond the cone of `columns`, each (k,); `None` where no answer could be verified.
@@ -59,7 +59,7 @@ pub(super) fn rest(columns: &[SparseVector], target: &[f64]) -> Option<Vec<f64>>
 
 /// The point of a cone that is nearest to a target.
 pub(super) struct Nearest {
-    /// What it leaves of the target, (k,), verified.
+    /// Target minus that point, (k,), verified.
     pub rest: Vec<f64>,
     /// Weight of each column, ≥ 0, near those that lead there.
     pub weights: Vec<f64>,
@@ -112,7 +112,7 @@ struct Iterate {
     y: Vec<f64>,
 }
 
-/// What a point leaves of Cx + y = t and of s = ε²x − Cᵀy.
+/// Residuals of Cx + y = t and of s = ε²x − Cᵀy.
 struct Residual {
     primal: Vec<f64>,
     dual: Vec<f64>,
@@ -217,7 +217,7 @@ impl Cone {
         }
     }
 
-    /// The rest where the cone contains the target: of forces that stay where they are zero.
+    /// The rest where the cone contains the target; zero weights stay zero.
     fn inside(&self, mut x: Vec<f64>) -> Option<Vec<f64>> {
         let mut best = self.rest(&x);
         for _ in 0..CORRECTIONS {
@@ -297,7 +297,7 @@ mod tests {
             let target: Vec<f64> = (0..30).map(|i| ((i + seed) as f64 * 1.7).sin()).collect();
             let dense: Vec<Vec<f64>> = columns.iter().map(SparseVector::to_dense).collect();
             let expected = least_squares_nonnegative(&dense, &target).1;
-            // what cannot be checked is left to the active set
+            // an answer that cannot be verified is left to the active set
             let Some(found) = rest(columns, &target) else {
                 continue;
             };

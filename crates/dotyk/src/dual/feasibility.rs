@@ -2,31 +2,31 @@
 //!
 //! ```text
 //!   C = {Gλ: λ ∈ Λ}         the loads that the contacts can bear
-//!   y = e − nearest point of C to e        what they leave of the load
+//!   y = e − nearest point of C to e        the part of the load that they cannot bear
 //! ```
 //!
-//! Where y = 0 some admissible force balances the load. Where y ≠ 0 none does, and y proves it (Farkas): taken as a rigid
+//! Where y = 0 some admissible force balances the load. Where y ≠ 0 no admissible force does, and y proves it (Farkas): as a rigid
 //! motion it closes no unilateral contact, (Gᵀy)ᵢ ≤ 0, and moves no tied one, (Gᵀy)ᵢ = 0, while the load does work on it,
 //! eᵀy > 0. So y is the motion along which the load pulls the bodies away. (Where friction has given bounds the contacts bear
 //! some load along y, too: then eᵀy is more than the work of any forces that they can bear.)
 //!
-//! C is told by *generators*: the sums of these vectors with weights ≥ 0 are the points of C. Each block of Λ gives its own
+//! C is described by *generators*: the sums of these vectors with weights ≥ 0 are the points of C. Each block of Λ gives its own
 //! (`law.rs`), and the weights that come nearest to e are found by least squares with signs (`linalg/signed.rs`), of many
 //! bodies by an interior point method (`cone.rs`) whose answer is checked.
 //!
 //! Two sets have no finite list of generators that could be written down at once. The cone of Coulomb's law in space is round:
 //! it has infinitely many edges. The shears that given bounds allow, all nodes together, are a bounded convex set: it is the
-//! hull of its corners, whose weights are to sum to one, and has far too many of them. Of both those generators are added,
-//! again and again, that lie farthest along y, until none lies along y at all. Of many bodies with round cones a polygon
-//! inscribed in each of them mostly bears the load already.
+//! hull of its corners, whose weights must sum to one, and has far too many of them. Of both sets, the generators that lie
+//! farthest along y are added repeatedly until no generator lies along y. With many bodies and round cones, polygons
+//! inscribed in the cones mostly bear the load already.
 //!
 //! Where a bound of friction follows from the normal force, a positive answer is necessary for a solution, not sufficient: the
-//! forces must go with the slips, too.
+//! shears must oppose the slips, too.
 //!
-//! Where friction does not suffice, y opens contacts as it slips along them, in the ratio of the coefficient, which no body does.
-//! It tells where the bodies slip: the motion that is named is the one that they make without friction there, while they stick
-//! everywhere else, and the answer tells how much of the load along it friction can hold. Where no friction whatever could hold the bodies (they tip or
-//! are lifted), it is the motion that is left when no contact slips, and friction holds nothing of the load along it.
+//! Where friction does not suffice, y opens contacts while it slips along them, in the ratio of the coefficient, which no body does.
+//! So y serves only to find the contacts that slip. The motion reported is the one without friction there and without slip
+//! elsewhere, together with the part of the load along it that friction can hold. Where no friction whatever could hold the bodies
+//! (they tip or are lifted), it is the motion that remains when no contact slips, and friction holds no part of the load along it.
 
 use crate::dual::law::{Generators, farthest};
 use crate::dual::modes::transposed;
@@ -38,7 +38,7 @@ use crate::linalg::signed::least_squares_nonnegative;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// Work on a rigid motion below this part of the load's scale counts as none.
+/// Work on a rigid motion below this part of the load's scale counts as zero.
 pub const NO_WORK: f64 = 1e-9;
 
 /// Answer of [`DualProblem::feasibility`].
@@ -46,7 +46,7 @@ pub const NO_WORK: f64 = 1e-9;
 pub enum Feasibility {
     /// Some admissible force balances the load.
     Feasible {
-        /// Gλ of that force, (r,): e, or e without a part below 1e-9 of the load's scale that nothing can carry.
+        /// Gλ of that force, (r,): e, or e without a part below 1e-9 of the load's scale that no force can carry.
         load: Vec<f64>,
     },
     /// No admissible force balances the load.
@@ -69,17 +69,17 @@ const EDGES: usize = 20;
 const CORNERS: usize = 8;
 const ROUNDS_OF_MANY: usize = 20;
 
-/// Rests of many bodies below this part of the load count as zero; edges point along a rest if they do by more than the second.
+/// With many bodies, a rest below this part of the load counts as zero, and an edge points along a rest if its cosine exceeds the second.
 const BORNE: f64 = 1e-11;
 const SEPARATED: f64 = 1e-9;
 
 /// Corners of a polygon are farther apart than this.
 const APART: f64 = 1e-5;
 
-/// An edge whose part along what is left is below this one of both lengths adds nothing.
+/// An edge adds nothing if the cosine of its angle to the rest is below this.
 const ALONG: f64 = 1e-13;
 
-/// Bisections of a load factor: below the rounding of a load.
+/// Bisections of a load factor, down to the rounding of a load.
 const BISECTIONS: usize = 48;
 
 impl DualProblem {
@@ -152,8 +152,8 @@ impl Feasibility {
         })
     }
 
-    /// Whether a motion (r,) turns about something that it goes on to touch: the first row of a block keeps its gap although
-    /// parts of the motion, which cancel, would change it.
+    /// Whether a motion (r,) turns about a contact that stays closed: the first row of a block keeps its gap, although parts of
+    /// the motion, which cancel, would change it.
     pub fn leans(admissible: &AdmissibleSet, balance: &Balance, motion: &[f64]) -> bool {
         let touched = admissible.iter();
         let touched = touched.filter(|(block, _)| !matches!(block, Block::Interval { .. }));
@@ -172,7 +172,7 @@ impl Feasibility {
     }
 
     /// Largest s in [0, 1] for which some admissible force balances e₀ + s(e − e₀), e₀ = `before` (r,) the load of the
-    /// step before and e that of `balance`: where within the step equilibrium is lost. 1: nowhere.
+    /// step before and e that of `balance`: the part of the step at which equilibrium is lost; 1 if it is not lost.
     ///
     /// The loads that can be balanced are convex, so a load e₀ that is one of them makes the answer unique; 0 if it is not.
     pub fn fraction(admissible: &AdmissibleSet, balance: &Balance, before: &[f64]) -> f64 {
@@ -203,7 +203,7 @@ fn slipping(admissible: &AdmissibleSet, balance: &Balance, motion: &[f64]) -> Ve
     slips.map(|slip| slip > NO_SLIP * largest).collect()
 }
 
-/// Largest s in [0, 1] that `holds`, if those that do form an interval from 0.
+/// Largest s in [0, 1] for which `holds` is true, if these s form an interval from 0.
 fn largest_part(holds: impl Fn(f64) -> bool) -> f64 {
     if holds(1.0) {
         return 1.0;
@@ -239,7 +239,7 @@ impl Carrier {
     fn new(admissible: &AdmissibleSet, balance: &Balance) -> Self {
         let modes = balance.modes();
         let smooth = |block: &Block| block.friction().is_some_and(|law| law.is_smooth());
-        // what friction cannot bear controls nothing
+        // shears of blocks without friction control no mode
         let split = if admissible.blocks().iter().any(smooth) {
             let mut borne = modes.columns().to_vec();
             for (block, range) in admissible.iter().filter(|(block, _)| smooth(block)) {
@@ -250,7 +250,7 @@ impl Carrier {
             balance.split().cloned()
         };
         let mut carrier = Self {
-            // of finite entries a decomposition is not known to fail; it would leave the question to the projection
+            // no decomposition of finite entries is known to fail; if one did, the projection would decide
             split: split.unwrap_or_default(),
             rays: Vec::new(),
             cones: Vec::new(),
@@ -296,8 +296,8 @@ impl Carrier {
         norm(&driven) <= no_work && norm(&rest) <= no_work
     }
 
-    /// What no admissible force balances of `load` (r,): along the modes that the contact does not control (r,), and in
-    /// the coordinates of those that it does (k,), where it separates the load from what can be carried.
+    /// The part of `load` (r,) that no admissible force balances: along uncontrolled modes (r,), and in the coordinates of the
+    /// controlled ones (k,), where it separates the load from those that can be carried.
     fn rest(&self, load: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut driven = vec![0.0; load.len()];
         for z in &self.split.uncontrolled {
@@ -341,7 +341,7 @@ impl Carrier {
                 let steepest = [steepest[0], steepest[1]];
                 let edge = self.edge(cone, steepest);
                 left |= edge.dot(rest) > SEPARATED * size * edge.norm();
-                // shears go where they are, and along what is left
+                // new edges: along the present shear and along the rest
                 let length = norm(&shear).max(f64::MIN_POSITIVE);
                 for turn in [shear.map(|s| s / length), steepest] {
                     let beside = |own: &[f64; 2]| {
@@ -366,7 +366,7 @@ impl Carrier {
         axis.plus(turn.into_iter().zip(radii))
     }
 
-    /// The rest where the generators are all there are.
+    /// The rest where the list of generators is complete.
     fn rest_of_cone(&self, target: &[f64]) -> Vec<f64> {
         if target.len() >= MANY
             && let Some(rest) = cone::rest(&self.rays, target)
@@ -380,8 +380,8 @@ impl Carrier {
         self.rays.iter().map(SparseVector::to_dense).collect()
     }
 
-    /// The rest where generators are added as it asks for them. The further row makes the weights of the corners of the
-    /// bounded shears sum to one.
+    /// The rest where generators are added along it. An additional row makes the weights of the corners of the bounded shears
+    /// sum to one.
     fn rest_with_generation(&self, mut target: Vec<f64>) -> Vec<f64> {
         let k = target.len();
         let weight = Some(norm(&target))
@@ -694,7 +694,7 @@ mod tests {
             assert!(feasible([size, -0.9 * NO_WORK * size], 0.0));
             assert!(!feasible([size, 1.1 * NO_WORK * size], 0.0));
             assert!(!feasible([size, -1.1 * NO_WORK * size], 0.0));
-            // a scale that others give
+            // a scale given by the caller
             assert!(feasible([size, 0.9 * NO_WORK * 5.0 * size], 5.0 * size));
             assert!(!feasible([size, 1.1 * NO_WORK * 5.0 * size], 5.0 * size));
             // the same for what contact controls but cannot bear
@@ -702,7 +702,7 @@ mod tests {
             assert!(!feasible([-1.1 * NO_WORK * size, 0.0], size));
         }
         assert!(feasible([0.0; 2], 0.0));
-        // the load that is carried is without the part that nothing can carry
+        // the load that is carried lacks the part that no force can carry
         let balance = Balance::new(modes.clone(), vec![1.0, 1e-10]);
         let Feasibility::Feasible { load } = Feasibility::of(&set, &balance, 0.0) else {
             panic!("the rest is rounding");
@@ -710,7 +710,7 @@ mod tests {
         assert!((load[0] - 1.0).abs() < 1e-15 && load[1] == 0.0);
     }
 
-    /// So near to the last load that can be carried the projection still tells: nearer it takes more steps than it has.
+    /// The projection decides up to this distance from the last load that can be carried; nearer it needs more steps than it has.
     const WITHIN: f64 = 3e-3;
     const BEYOND: f64 = 1e-4;
 
@@ -734,8 +734,8 @@ mod tests {
         (set, modes, load)
     }
 
-    /// What is left of a load beside the forces nearest to some others: an iteration that knows no generators. Near the last
-    /// load that can be carried it may take more steps than it has, so that it starts from several.
+    /// The imbalance left by projecting some forces: an iteration that knows no generators. Near the last load that can be
+    /// carried it may need more steps than it has, so that it starts from several.
     fn projected(set: &AdmissibleSet, modes: &Mat<f64>, load: &[f64]) -> f64 {
         let balance = Balance::new(modes.clone(), load.to_vec());
         let rest = |start: usize| {

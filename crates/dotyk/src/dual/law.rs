@@ -11,20 +11,20 @@
 //! | Coulomb | 0 | its coefficient | bears none |
 //! | Cohesive | its cohesion | its coefficient | bears none |
 //!
-//! A law is told by given, growth and whether its bound *follows* from the normal force. Where a bound follows the problem
-//! minimises nothing: it is solved as a fixed point of problems whose bounds are given, or by Newton's method on what the
-//! nodes do. All else is derived from these three: the projection onto {λₙ ≥ 0, ‖λₜ‖ ≤ given + growth · λₙ}, which is convex,
+//! A law is defined by given, growth and whether its bound *follows* from the normal force. Where a bound follows the problem
+//! is no minimum: it is solved as a fixed point of problems with given bounds, or by Newton's method on the states of the
+//! nodes. All else is derived from these three: the projection onto {λₙ ≥ 0, ‖λₜ‖ ≤ given + growth · λₙ}, which is convex,
 //! and its derivative; forces that generate this set; the law of several nodes taken as one; the block without slip.
 //!
-//! The bound of a cohesive law jumps where the node opens. At λₙ = 0 the node is open, with a gap or without: what bears shear
-//! without a normal force could not be told from what merely touches. So that no rounding decides about a shear, a normal force
-//! that is nothing beside the largest one counts as zero there. The set above is then the closure of the convex hull of what
-//! the law allows, and a problem need not have a solution: a shear may ask for a normal force that it itself takes away.
+//! The bound of a cohesive law jumps where the node opens. At λₙ = 0 the node is open, with a gap or without: a node that bears
+//! shear without a normal force could not be distinguished from one that merely touches. A normal force that is negligible beside
+//! the largest one counts as zero there, so that rounding does not decide about a shear. The set above is then the closure of the
+//! convex hull of the admissible forces, and a problem need not have a solution: a shear may need a normal force that it removes.
 //!
 //! A node has one tangent in the plane and two in space: the set is a disc beside every λₙ, and nothing here counts them.
 //!
-//! What gives way both ways along a line, as a bar that yields, bears |λ| ≤ bound: such an interval is a bounded shear without a normal
-//! force. λ counts from the middle of what is borne; the force there is a load like any other.
+//! A bar that yields in tension and compression bears |λ| ≤ bound: such an interval is a bounded shear without a normal force.
+//! λ counts from the middle of the admissible forces; the force there is a load like any other.
 
 use std::ops::Range;
 
@@ -70,7 +70,7 @@ pub enum Friction {
     },
     /// ‖λₜ‖ ≤ cohesion + coefficient · λₙ while the node is closed, λₙ > 0; an open one bears no shear.
     Cohesive {
-        /// What it bears beside no more than a trace of a normal force: a force.
+        /// Shear that it bears beside a vanishing normal force λₙ > 0: a force.
         cohesion: f64,
         /// Coefficient of friction.
         coefficient: f64,
@@ -80,11 +80,11 @@ pub enum Friction {
 /// A normal force below this part of the largest force counts as zero: projected methods leave traces where a contact is open.
 pub(crate) const NONE: f64 = 1e-10;
 
-/// Beside the least normal force that is one this coefficient bears the largest force, so that a larger one says nothing more; and its
-/// square is a number.
+/// With this coefficient the least normal force that counts bears the largest force, so that a larger coefficient changes nothing; its
+/// square is finite.
 const ROUGH: f64 = 1.0 / NONE;
 
-/// What of a coefficient of friction counts; one that is no finite number stays what it is.
+/// A coefficient of friction, at most [`ROUGH`]; one that is not finite is returned unchanged.
 fn growth(coefficient: f64) -> f64 {
     match coefficient.is_finite() {
         true => coefficient.min(ROUGH),
@@ -101,7 +101,7 @@ impl Friction {
 
     /// Given, a force, and growth, a number: the bound of a closed node is given + growth · λₙ.
     ///
-    /// A coefficient of [`ROUGH`] and more is one that never lets anything slide.
+    /// A coefficient from [`ROUGH`] on never lets the node slide.
     pub(crate) fn terms(&self) -> (f64, f64) {
         match *self {
             Self::Tresca { bound } => (bound, 0.0),
@@ -174,7 +174,7 @@ impl Friction {
         let bound = given + growth * to[0];
         let factor = if length > bound { bound / length } else { 1.0 };
         for (to, from) in to[1..].iter_mut().zip(&from[1..]) {
-            // where nothing is borne, zero has no sign
+            // where the bound is zero, so that zero has no sign
             *to = if bound > 0.0 { factor * from } else { 0.0 };
         }
     }
@@ -230,8 +230,8 @@ pub(super) fn farthest(shears: &[SparseVector], towards: &[f64]) -> Vec<f64> {
     along
 }
 
-/// What the forces of a block do: the sums of `rays` with weights ≥ 0, of the edges of a round cone with weights ≥ 0, and of
-/// one point of a disc. Of a law whose bound follows this is the convex hull of what it allows.
+/// Images of the forces of a block: sums of `rays` with weights ≥ 0, of the edges of a round cone with weights ≥ 0, and of
+/// one point of a disc. For a law whose bound follows, this is the convex hull of the admissible forces.
 #[derive(Default)]
 pub(super) struct Generators {
     pub rays: Vec<SparseVector>,
@@ -261,7 +261,7 @@ impl Block {
         matches!(self, Self::Unilateral | Self::Frictional { .. })
     }
 
-    /// Which of its components in `range` its law bounds by their length.
+    /// The components in `range` whose length its law bounds.
     pub fn shear(&self, range: &Range<usize>) -> Range<usize> {
         match self {
             Self::Free { .. } | Self::Unilateral => range.end..range.end,
@@ -298,7 +298,7 @@ impl Block {
         self.friction().map_or((0.0, 0.0), |law| law.terms())
     }
 
-    /// The law of what it bounds by a length, where it does.
+    /// Its law of friction, if it bounds the length of some components.
     pub fn friction(&self) -> Option<Friction> {
         match *self {
             Self::Frictional { law, .. } => Some(law),
@@ -323,7 +323,7 @@ impl Block {
         }
     }
 
-    /// The blocks that bear any shear beside a normal force, if this one bears any shear at all: it cannot slip.
+    /// Blocks that replace this one and cannot slip: they bear any shear if this one bears some.
     pub(super) fn sticking(self) -> Vec<Self> {
         match self {
             Self::Frictional { tangents, law } if law.is_smooth() => {
@@ -357,7 +357,7 @@ impl Block {
         }
     }
 
-    /// What generates the images of its forces, from the images of its components.
+    /// Generators of the images of its forces, from the images of its components.
     pub(super) fn generators(&self, mut images: Vec<SparseVector>) -> Generators {
         let scaled = |factor: f64, images: &[SparseVector]| -> Vec<SparseVector> {
             images.iter().map(|image| image.scaled(factor)).collect()
@@ -501,7 +501,7 @@ mod tests {
             projected(TRESCA.block(2), &[-2.0, 3.0, -4.0]),
             &[0.0, 0.3, -0.4],
         );
-        // a cone of slope 1: (0, 2) goes to its edge at (1, 1), what lies in the polar cone to its apex
+        // a cone of slope 1: (0, 2) goes to its edge at (1, 1), points of the polar cone to its apex
         let steep = Friction::Coulomb { coefficient: 1.0 };
         near(projected(steep.block(1), &[0.0, 2.0]), &[1.0, 1.0]);
         near(projected(steep.block(1), &[-3.0, -1.0]), &[0.0, 0.0]);

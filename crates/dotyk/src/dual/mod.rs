@@ -99,7 +99,7 @@ impl Compliance {
     }
 }
 
-/// So many floating modes are those of a crowd.
+/// Fewest floating modes of a crowd.
 const CROWD: usize = 96;
 
 /// Columns of F that are assembled at a time.
@@ -114,7 +114,7 @@ pub struct Multipliers {
     pub alpha: Vec<f64>,
 }
 
-/// What lengths, forces, moments and energies are compared with. A scale of zero counts as 1.
+/// Scales of lengths, forces, moments and energies. A scale of zero counts as 1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Scales {
     /// max|d|.
@@ -127,8 +127,8 @@ pub struct Scales {
     pub energy: f64,
 }
 
-/// Which components are contacts of their own, and which contacts are coupled: a domain is what contacts make of bodies, and its
-/// figures are compared with its own scales. What is not told belongs to the first one; empty, all is one contact.
+/// The contact of each component and the domain of each contact. A domain is a set of bodies coupled by contacts; its figures are
+/// compared with its own scales. Missing entries belong to the first one; if empty, all is one contact.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Coupled {
     /// Contact of every component, (m,).
@@ -137,7 +137,7 @@ pub struct Coupled {
     pub domain: Vec<usize>,
     /// Domain of every mode, (r,).
     pub modes: Vec<usize>,
-    /// Scales of every domain; those of the problem where they are missing.
+    /// Scales of every domain; where missing, those of the problem.
     pub scales: Vec<Scales>,
 }
 
@@ -186,7 +186,7 @@ impl Scales {
     }
 }
 
-/// Why a [`DualProblem`] is not one.
+/// Why data make no [`DualProblem`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DualError {
     /// Two parts have different numbers of contact forces or modes.
@@ -234,11 +234,11 @@ pub struct DualProblem {
     pub admissible: AdmissibleSet,
     /// Gλ = e.
     pub balance: Balance,
-    /// What violations are compared with, where all is one domain.
+    /// Scales of violations, where all is one domain.
     pub scales: Scales,
-    /// What is judged by itself.
+    /// Contacts and domains, which are judged separately.
     pub coupled: Coupled,
-    /// Compliance of every component by itself, (m,), length over force: it makes a gap and a force comparable.
+    /// Compliance of every component alone, (m,), length over force: it turns a gap into a force.
     pub softness: Vec<f64>,
     /// Pairs of blocks that lie beside each other on a contact; may be empty. They tell solvers which contacts to take
     /// together in coarser problems.
@@ -247,12 +247,12 @@ pub struct DualProblem {
     pub parts: Vec<Part>,
 }
 
-/// What one body adds to F: BᵀS⁻¹B of its boundary stiffness S.
+/// The part of F of one body: BᵀS⁻¹B with its boundary stiffness S.
 #[derive(Debug, Clone)]
 pub struct Part {
     /// Its contact forces, n numbers below m.
     pub rows: Vec<usize>,
-    /// S, (c, c), force over length, definite: the body condensed onto what its contacts move, without rigid motions.
+    /// S, (c, c), force over length, definite: the stiffness condensed onto the dofs of its contacts, without rigid motions.
     pub stiffness: Mat<f64>,
     /// B by columns, n vectors (c,).
     pub columns: Vec<SparseVector>,
@@ -305,8 +305,8 @@ impl DualProblem {
         }
     }
 
-    /// Takes over what every component gives way at least, (m,). The diagonal of F falls below it where a body is grounded;
-    /// of an applied F it is not known.
+    /// Sets the softness to the larger of the diagonal of F and `least`, a lower bound of every component's compliance, (m,). The
+    /// diagonal may be smaller where a body is grounded; if F is applied the diagonal is not known.
     pub(crate) fn soften(&mut self, least: Vec<f64>) {
         self.softness = match self.compliance.diagonal() {
             Some(diagonal) => {
@@ -317,8 +317,8 @@ impl DualProblem {
         };
     }
 
-    /// Assembles F with all its zeros if it has at most `limit` unknowns: where it is applied, by products with unit forces.
-    /// `true` where it did.
+    /// Assembles F with all its zeros if it has at most `limit` unknowns; an applied F by products with unit forces. `true` if it
+    /// did.
     pub fn assemble(&mut self, limit: usize) -> bool {
         let m = self.len();
         if m > limit {
@@ -331,7 +331,7 @@ impl DualProblem {
         };
         let known = self.compliance.diagonal().is_some();
         self.compliance = Compliance::Dense(f);
-        // a softness that has the diagonal in it already stays: means over tangents are not taken twice
+        // a softness that includes the diagonal stays: means over tangents are not taken twice
         if !known {
             let least = std::mem::take(&mut self.softness);
             self.soften(least);
@@ -339,7 +339,7 @@ impl DualProblem {
         true
     }
 
-    /// Means over the tangents of a node; a component that nothing gives way to takes the scale of the others.
+    /// Means over the tangents of a node; a component of zero softness takes the scale of the others.
     fn positive_softness(&self, mut softness: Vec<f64>) -> Vec<f64> {
         for (block, range) in self.admissible.iter() {
             if block.friction().is_some() {
@@ -415,7 +415,7 @@ impl DualProblem {
         Ok(())
     }
 
-    /// Some λ and α are of this problem: (m,) and (r,), all finite.
+    /// λ and α fit this problem: (m,) and (r,), all finite.
     pub fn check_multipliers(&self, multipliers: &Multipliers) -> Result<(), DualError> {
         let Multipliers { lambda, alpha } = multipliers;
         for (part, values, expected) in [
@@ -568,7 +568,7 @@ mod tests {
         ]
     }
 
-    /// Compliance of two nodes (normal, two tangents) and of a frictionless one, nothing gives way to the last.
+    /// Compliance of two nodes (normal, two tangents) and of a frictionless one, which is zero.
     fn soft() -> Mat<f64> {
         let diagonal = [3.0, 1.0, 5.0, 2.0, 4.0, 8.0, 0.0];
         Mat::from_fn(7, 7, |i, j| match i == j {
@@ -639,12 +639,12 @@ mod tests {
 
     #[test]
     fn softness_is_the_diagonal_and_its_mean_over_tangents() {
-        // nothing gives way to the last: it takes the largest of the others
+        // the last compliance is zero: it takes the largest of the others
         let expected = [3.0, 3.0, 3.0, 2.0, 6.0, 6.0, 6.0];
         let [dense, sparse, applied] = ways(&soft());
         assert_eq!(problem(dense).softness, expected);
         assert_eq!(problem(sparse).softness, expected);
-        // of an applied F nothing is known: the scale of lengths over that of forces
+        // an applied F has no known diagonal: the scale of lengths over that of forces
         assert_eq!(problem(applied).softness, [0.75 / 3.0; 7]);
         let rigid = problem(Compliance::Dense(Mat::zeros(7, 7)));
         assert_eq!(rigid.softness, [1.0; 7]);
@@ -754,7 +754,7 @@ mod tests {
         for (a, b) in again.iter().zip(&lambda) {
             assert!((a - b).abs() < 1e-13);
         }
-        // what is answered is a start from which nothing changes
+        // from the answer as a start nothing changes
         let start = tau.clone();
         problem.project(&y, &mut tau, &mut again);
         for (a, b) in start.iter().zip(&tau) {

@@ -1,4 +1,4 @@
-//! G, what contact forces do on rigid modes: sparse, because a contact does work on the modes of two bodies alone.
+//! G, the work of contact forces on rigid modes: sparse, because a contact does work on the modes of two bodies only.
 
 use crate::linalg::{Mat, SparseVector};
 use std::ops::Index;
@@ -35,7 +35,7 @@ impl Modes {
         self.columns.len()
     }
 
-    /// What a unit force `i` does on the modes, (r,).
+    /// Work of a unit force `i` on the modes, (r,).
     pub fn column(&self, i: usize) -> &SparseVector {
         &self.columns[i]
     }
@@ -59,7 +59,7 @@ impl Modes {
         sum
     }
 
-    /// Motion of contact `i` along its force, of Gᵀα. Shape: α (r,).
+    /// (Gᵀα)ᵢ, the motion of contact `i` along its force. Shape: α (r,).
     pub fn motion(&self, i: usize, alpha: &[f64]) -> f64 {
         self.columns[i].dot(alpha)
     }

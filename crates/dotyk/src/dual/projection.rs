@@ -33,11 +33,11 @@ pub struct Projector<'a> {
     jacobian: Jacobian,
 }
 
-/// What the Jacobian of h is kept in.
+/// Storage of the Jacobian of h.
 enum Jacobian {
     /// (k, k), row-major.
     Dense(Vec<f64>),
-    /// The pattern of MP′Mᵀ, none where its factor would be too large (steps then go along h), and the place of each force
+    /// The pattern of MP′Mᵀ, absent where its factor would be too large (steps then go along h), and the position of each force
     /// in its block.
     Sparse {
         pattern: Option<Box<WeightedGram>>,
@@ -100,7 +100,7 @@ impl<'a> Projector<'a> {
             }
             _ => self.newton(y, tau, lambda),
         }
-        // y − Ĝᵀτ is rounded; what is left of a force below that is zero (it would press an open contact).
+        // y − Ĝᵀτ is rounded; a force below that is zero (it would press an open contact).
         let rounding = 16.0 * f64::EPSILON * y.iter().fold(0.0, |s: f64, y| s.max(y.abs()));
         for (block, range) in self.admissible.iter() {
             let bears = block.friction().is_none_or(|law| law.bears(false));
@@ -127,7 +127,7 @@ impl<'a> Projector<'a> {
             (0..y.len())
                 .filter(|&i| bounded[i])
                 .map(|i| y[i] / row[i])
-                // what has no part in the row has no breakpoint
+                // a component with a zero in the row has no breakpoint
                 .filter(|point| point.is_finite()),
         );
         self.points.sort_unstable_by(f64::total_cmp);
@@ -145,7 +145,7 @@ impl<'a> Projector<'a> {
             self.points[next - 1]
         };
         let to = self.points.get(next).copied().unwrap_or(f64::INFINITY);
-        // (what has no part in the row adds nothing, whether it carries or not)
+        // (a component with a zero in the row adds nothing, whether it carries or not)
         let carries = |i: usize| {
             !bounded[i]
                 || if row[i] > 0.0 {
@@ -159,7 +159,7 @@ impl<'a> Projector<'a> {
             slope += row[i] * row[i];
             value += row[i] * y[i];
         }
-        // Flat: nothing carries, any τ of the interval does; the smallest amplitude is taken.
+        // Flat: no component carries, and any τ of the interval is a root; the smallest amplitude is taken.
         let tau = if slope > 0.0 { value / slope } else { 0.0 };
         let tau = tau.clamp(from, to);
         for i in 0..y.len() {
@@ -208,7 +208,7 @@ impl<'a> Projector<'a> {
                 self.try_tau(tau, step, Towards::Newton);
                 let trial = self.evaluate_trial(y);
                 let trial_rest = norm(&self.trial_imbalance);
-                // Near the root the values no longer tell, the imbalance does.
+                // Near the root values differ by rounding only; the imbalance decides.
                 if trial <= value - 1e-4 * step * slope || trial_rest < 0.5 * rest {
                     (value, accepted) = (trial, true);
                     break;
@@ -552,7 +552,7 @@ mod tests {
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-15, "{found}");
         near(motion([-1.0, -2.0], 0.0), -1.0);
         near(motion([1.0, 2.0], 0.0), 2.0);
-        // of a load that pulls nothing tells how far: no farther than it must
+        // a load that pulls determines no distance: the shortest one is taken
         near(motion([-1.0, -2.0], -1.0), 0.0);
         near(motion([1.0, 2.0], -1.0), 2.0);
     }
@@ -571,7 +571,7 @@ mod tests {
             assert!((0..4).all(|i| (a[i] - b[i]).abs() < 1e-15), "{a:?} {b:?}");
         };
         let contacts = || AdmissibleSet::new(vec![Block::Unilateral; 4]);
-        // too little: those that bear take half of it each
+        // too little: the two contacts that bear take half of it each
         let found = spread(contacts(), [1.0; 4], 2.0, [0.5, 0.25, 0.0, 0.0]);
         near(found, [1.125, 0.875, 0.0, 0.0]);
         // too much: a force that is less than its part is left as it is
@@ -580,7 +580,7 @@ mod tests {
         let ties = AdmissibleSet::new(vec![Block::Free { size: 4 }]);
         let found = spread(ties, [1.0; 4], 2.0, [3.0, 0.0, -1.0, 1.0]);
         near(found, [2.75, -0.25, -1.25, 0.75]);
-        // where nothing can take it a tie that does no work on the motion stays, too
+        // where no force can take it, a tie that does no work on the motion stays unchanged, too
         let blocks = [vec![Block::Free { size: 1 }], vec![Block::Unilateral; 3]].concat();
         let set = AdmissibleSet::new(blocks);
         let found = spread(set, [0.0, 1.0, 1.0, 1.0], 0.5, [5.0, 0.0, 0.0, 0.0]);

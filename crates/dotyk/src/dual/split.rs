@@ -1,4 +1,4 @@
-//! What the contact can control of the rigid modes, and what it cannot.
+//! Splits the rigid modes into those that the contact controls and those that it does not.
 //!
 //! Combinations z of modes with Gᵀz = 0 move no contact along its force: no contact force can hold them. Modes are expected
 //! scaled to largest displacement 1.
@@ -7,13 +7,13 @@
 //! half of the digits.
 //!
 //! Modes of many bodies: G is sparse, because a contact does work on the modes of two bodies alone. Modes that lie side by
-//! side in G and meet the same contacts are those of one body. What a body by itself has no control of is found by a
-//! singular value decomposition of its own rows. Let Z (k, r) be the orthonormal rest, local to bodies, and M = ZG. That no
-//! combination of several bodies moves without work either is *proved* by a Cholesky factorisation of MMᵀ − δ·I, which
-//! exists only where all eigenvalues of MMᵀ exceed δ: singular values of G then reach from 1 to [`FAR`] times the largest,
-//! and the coarse problem MMᵀ = LLᵀ may stand for M. Where the proof fails (bodies that several contacts hold only together,
-//! say) G is decomposed as a whole. A row of bodies that press each other has singular values down to 1/(its length): rows
-//! of many hundred bodies are proved.
+//! side in G and meet the same contacts are those of one body. Uncontrolled modes of a single body are found by a singular
+//! value decomposition of its own rows. Let Z (k, r) be the orthonormal rest, local to bodies, and M = ZG. It remains to prove
+//! that no combination of several bodies moves without work either. The proof is a Cholesky factorisation of MMᵀ − δ·I, which
+//! exists only where all eigenvalues of MMᵀ exceed δ: singular values of G then lie between [`FAR`] times the largest and the
+//! largest, and the coarse problem MMᵀ = LLᵀ may stand for M. Where the proof fails (bodies that several contacts hold only
+//! together, say) G is decomposed as a whole. A row of bodies that press each other has singular values down to 1/(its length):
+//! the proof succeeds for rows of many hundred bodies.
 
 use crate::dual::modes::transposed;
 use crate::dual::{Mat, Modes};
@@ -22,7 +22,7 @@ use crate::linalg::{Cholesky, LinalgError, SparseVector, WeightedGram};
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// Fewest modes that are looked at body by body: below, the whole decomposition takes no time.
+/// Fewest modes that are split body by body: with fewer the whole decomposition is fast.
 pub(super) const MANY: usize = 96;
 
 /// Singular values above this part of the largest are far from zero.
@@ -48,11 +48,11 @@ pub struct ModeSplit {
 pub(super) struct Split {
     /// The modes.
     pub modes: ModeSplit,
-    /// σⱼ of each controlled mode, of which its row in M is a part; 1 where the modes are those of many bodies.
+    /// σⱼ of each controlled mode, by which its row in M is divided; 1 where the modes are split body by body.
     pub sigma: Vec<f64>,
     /// M = Σ⁻¹ZG, k rows (m,).
     pub rows: Vec<SparseVector>,
-    /// L of the coarse problem MMᵀ = LLᵀ; none where the rows are orthonormal.
+    /// L of the coarse problem MMᵀ = LLᵀ; absent where the rows are orthonormal.
     pub coarse: Option<Cholesky>,
 }
 
@@ -125,7 +125,7 @@ struct Direction {
     controlled: bool,
 }
 
-/// The singular triples of Gᵀ, and the modes without an image behind them; `largest` is that of all |G|.
+/// The singular triples of Gᵀ, followed by the modes without an image; `largest` is the largest |G|.
 fn singular_directions(modes: &Mat<f64>, largest: f64) -> Result<Vec<Direction>, LinalgError> {
     let (r, m) = (modes.nrows(), modes.ncols());
     let transposed = Mat::from_fn(m, r, |i, j| modes[(j, i)]);
@@ -350,7 +350,7 @@ pub(super) mod tests {
     #[test]
     fn rows_beside_each_other_that_meet_the_same_contacts_are_those_of_a_body() {
         let row = |columns: &[usize]| SparseVector::new(20, columns.iter().map(|&j| (j, 1.0)));
-        // half of the columns of the shorter row make it the same body, one of three does not
+        // half of the columns of the shorter row in common make it the same body, a third does not
         assert!(meet_alike(&row(&[0, 1, 2, 3]), &row(&[3, 9])));
         assert!(meet_alike(&row(&[3, 9]), &row(&[0, 1, 2, 3])));
         assert!(!meet_alike(&row(&[0, 1, 2, 3]), &row(&[3, 8, 9])));
