@@ -1,5 +1,5 @@
-//! Alternating directions: the law of every node by itself, then the bodies with a compliance between them, and again. The
-//! matrix is always the same one.
+//! Alternating directions: the law of every node separately, then the bodies with a compliance between them, by turns. The
+//! matrix stays the same.
 //!
 //! ```text
 //!   λ = P(t)                                     the law, node by node
@@ -7,12 +7,12 @@
 //!   t ← t + ω (x − λ)
 //! ```
 //!
-//! Where nothing changes, λ = x and t = λ − gap/a: λ solves the problem. Where bounds of friction are given this is the
-//! splitting of Douglas and Rachford, which converges from anywhere. With Coulomb's law nothing is minimised; P then bounds
-//! shears by the normal forces of the same trial. Steps that guess states wander among many floating bodies (whose contacts
-//! share their forces in infinitely many ways); these do not, as no state is ever guessed: what a node does follows from its
-//! trial force continuously. They converge linearly, and Anderson's acceleration (`anderson.rs`) makes some hundred of them
-//! enough, whatever the number of bodies.
+//! At a fixed point λ = x and t = λ − gap/a: λ solves the problem. Where bounds of friction are given this is the splitting
+//! of Douglas and Rachford, which converges from anywhere. With Coulomb's law there is no energy to minimise; P then bounds
+//! shears by the normal forces of the same trial. Among many floating bodies, whose contacts share their forces in infinitely
+//! many ways, steps that guess states wander. These steps guess no states: the force of a node is a continuous function of its
+//! trial force. They converge linearly, and with Anderson's acceleration (`anderson.rs`) some hundred of them are enough,
+//! whatever the number of bodies.
 //!
 //! Of many bodies F = Σ BᵀS⁻¹B (`DualProblem::parts`), and the linear problem is one in their boundary displacements u and
 //! amplitudes β of the rows M of the balance. With q = (u, β), D = 1/a and the columns c = (b, −m) of all contacts,
@@ -21,9 +21,9 @@
 //!   (diag(S, 0) + C D Cᵀ) q = C (w + D d) + (0, e),    x = w + D (d − Cᵀq),    w = 2λ − t
 //! ```
 //!
-//! as sparse as the contacts between bodies are few, definite, and of half the size of the problem in forces.
+//! definite, sparse where each body has few contacts, and of half the size of the problem in forces.
 //!
-//! As described in Lions & Mercier (1979) for the splitting; Acary, Brémond & Huber (2018) for what it does to friction.
+//! As described in Lions & Mercier (1979) for the splitting; Acary, Brémond & Huber (2018) for its use with friction.
 
 use crate::dual::{Compliance, Component, IMBALANCE_LIMIT};
 use crate::linalg::dense::{
@@ -40,10 +40,10 @@ use crate::solve::levels::local_softness;
 use crate::solve::setup::Setup;
 use crate::solve::states::State;
 
-/// a, relative to the compliance of each contact: one after the other, each from the start, until one leads to an answer.
-/// The first is six times as fast as the second where both do. Forces that bodies clamp each other with, however, and that
-/// nothing but the law of some node ends, go on by gap over a in each turn: where the iteration comes among such forces it
-/// takes a small a to get through, and with a small one from the start it rarely comes there.
+/// a, relative to the compliance of each contact: tried in order, each from the start, until one leads to an answer. Where both
+/// do, the first is six times as fast as the second. Forces with which bodies clamp each other, however, are limited only by the
+/// law of some node, and change by gap/a in each turn. An iteration that has reached such forces leaves them only with a small a;
+/// with a small a from the start it rarely reaches them.
 const PARTS: [f64; 3] = [0.3, 0.03, 0.01];
 
 /// Smallest compliance of a contact, relative to the median.
@@ -55,12 +55,12 @@ const RELAXATION: f64 = 1.6;
 /// Alternations that count for one step, and after which forces are judged: together they cost about a factorisation.
 const TOGETHER: usize = 32;
 
-/// Steps without a residual of this part of the least one after which it falls no more.
+/// The iteration has stalled after so many steps without a residual below this part of the least one.
 const PATIENCE: usize = 25;
 const PATIENCE_WITH_FEW: usize = 10;
 const PROGRESS: f64 = 0.9;
 
-/// The residual is brought below this part of the tolerance where that is to be had.
+/// Where possible the residual is reduced to this part of the tolerance.
 const WITHIN: f64 = 1e-2;
 
 /// Alternates from the forces of the search until its tolerance is met, or until the residual falls no more.
@@ -71,7 +71,7 @@ pub(crate) fn alternate(
 ) -> Ended {
     let setup = search.setup;
     let mut lambda = vec![0.0; setup.len()];
-    // forces that steps before these left far from an answer are worse than none
+    // forces that earlier steps left far from an answer are a worse start than no forces
     let start = match search.steps {
         0 => Some(&search.point.lambda),
         _ => (search.best.0 < NEARBY).then_some(&search.best.1.lambda),
@@ -83,8 +83,8 @@ pub(crate) fn alternate(
     alternate_from(search, (lambda, gap), states, observe)
 }
 
-/// Alternates from forces and their gaps (m,): at the trial forces λ − gap/a, which an answer keeps. What is far open stays so, while
-/// from forces alone bodies would have to find their way again.
+/// Alternates from forces and their gaps (m,): the trial forces are λ − gap/a, a fixed point if the forces are an answer. Contacts
+/// that are wide open stay open; from forces alone the gaps would have to be found again.
 pub(crate) fn alternate_from(
     search: &mut Search<'_>,
     (lambda, gap): (Vec<f64>, Vec<f64>),
@@ -92,7 +92,7 @@ pub(crate) fn alternate_from(
     observe: Observer<'_>,
 ) -> Ended {
     let setup = search.setup;
-    // where a trace of a normal force brings cohesion, the splitting would end on traces
+    // where any normal force, however small, brings cohesion, the splitting would end with negligible normal forces
     if setup.admissible.jumps() {
         return Ended::Stuck(states);
     }
@@ -117,8 +117,8 @@ pub(crate) fn alternate_from(
             Left::Exact => return Ended::Converged,
             Left::Stopped => return Ended::Stopped,
         };
-        // short of the last digits what is balanced serves better than what obeys the law: a balance is asked for to ten
-        // digits, whatever the tolerance
+        // before the last digits balanced forces are a better answer than admissible ones: the balance must hold to ten digits,
+        // // whatever the tolerance
         if search.residual > IMBALANCE_LIMIT {
             search.move_to(balanced, setup.balance.from_rows(amplitudes));
         }
@@ -133,7 +133,7 @@ pub(crate) fn alternate_from(
     }
 }
 
-/// What alternating left.
+/// The end of one alternation.
 enum Left {
     /// The last balanced forces (m,) and amplitudes of the rows of the balance.
     Forces(Vec<f64>, Vec<f64>),
@@ -143,7 +143,7 @@ enum Left {
     Stopped,
 }
 
-/// Alternates with one matrix from the trial forces (m,), with so much patience.
+/// Alternates with one matrix from the trial forces (m,), until `patience` steps in a row make no progress.
 fn descend(
     search: &mut Search<'_>,
     half: &LinearHalf<'_>,
@@ -190,7 +190,7 @@ fn descend(
         if still == 0 {
             least = search.residual;
         }
-        // of a crowd states do not determine the forces
+        // in a crowd the states do not determine the forces
         if setup.problem.is_crowd() {
             continue;
         }
@@ -204,7 +204,7 @@ fn descend(
     Left::Forces(balanced, amplitudes)
 }
 
-/// What trial forces (m,) ask every node to do.
+/// States of all nodes at trial forces (m,).
 fn of_trial(setup: &Setup<'_>, trial: &[f64]) -> Vec<State> {
     let blocks = setup.admissible.iter();
     blocks
@@ -212,9 +212,10 @@ fn of_trial(setup: &Setup<'_>, trial: &[f64]) -> Vec<State> {
         .collect()
 }
 
-/// λ of trial forces t, node by node: pressing, and shears within the bound that goes with the normal force. Shapes: (m,).
+/// λ of trial forces t, node by node: normal forces ≥ 0, and shears within the bound of that normal force. Shapes: (m,).
 ///
-/// Where bounds follow from normal forces this is not the nearest admissible force: that one would press where it slips.
+/// Where bounds follow from normal forces this is not the nearest admissible force: that one has a larger normal force where it
+/// slips.
 fn by_law(setup: &Setup<'_>, trial: &[f64], lambda: &mut [f64]) {
     let held = lambda.iter_mut().zip(trial).zip(&setup.components);
     for ((lambda, t), component) in held {
@@ -237,7 +238,7 @@ struct LinearHalf<'a> {
     factored: Factored,
 }
 
-/// What is factored of it.
+/// The factored matrices.
 enum Factored {
     /// F + a = LLᵀ, Y = L⁻¹Mᵀ and YᵀY = L'L'ᵀ.
     Assembled {
@@ -318,7 +319,7 @@ impl<'a> LinearHalf<'a> {
     }
 }
 
-/// What contacts give way, (m,): the same for the tangents of a node.
+/// Compliance of the contacts, (m,): the same for the tangents of a node.
 fn local_compliance(setup: &Setup<'_>) -> Vec<f64> {
     let mut local = match setup.problem.parts.is_empty() {
         true => between_neighbours(setup),
@@ -334,8 +335,8 @@ fn local_compliance(setup: &Setup<'_>) -> Vec<f64> {
     local
 }
 
-/// What contacts give way between their neighbours, but not less than a part of what most do: where a floating body is
-/// grounded it gives way to nothing.
+/// Compliance of the contacts relative to their neighbours, at least a part of the median: where a floating body is grounded
+/// the compliance is zero.
 fn between_neighbours(setup: &Setup<'_>) -> Vec<f64> {
     let mut local = local_softness(setup);
     let mut sorted = local.clone();
@@ -357,7 +358,7 @@ fn of_parts(setup: &Setup<'_>) -> Vec<f64> {
                 .for_each(|&row| local[row] += n as f64 / trace);
         }
     }
-    // between parts that are rigid
+    // contacts between rigid parts
     let own = local.iter_mut().zip(&setup.problem.softness);
     own.for_each(|(c, softness)| *c = if *c > 0.0 { *c } else { *softness });
     local
@@ -594,7 +595,7 @@ mod tests {
             assert!(matches!(ended, Ended::Converged), "{bodies}");
             assert_eq!(search.kind, 'n', "{bodies}");
             assert!(search.steps <= 12, "{bodies}: {}", search.steps);
-            // what exact steps leave of closed gaps is rounding
+            // after exact steps closed gaps are rounding
             let gap = &search.judge.gap;
             let closed = (0..setup.len())
                 .step_by(3)
@@ -649,7 +650,7 @@ mod tests {
             panic!("there is nothing to factor");
         };
         assert_eq!((same, search.steps), (states, 0));
-        // nor is a crowd whose F nobody knows left to it alone
+        // a crowd with an unknown F is not left to it alone either
         let mut many = row(40, 0.5);
         assert!(many.is_crowd());
         many.parts.clear();
@@ -664,7 +665,7 @@ mod tests {
         problem.softness = (0..m).map(|i| [1.0, 0.0, 2.0][i % 3]).collect();
         let setup = Setup::unchecked(&problem);
         let found = local_compliance(&setup);
-        // the tangent without a compliance of its own counts as a part of the median, 1
+        // the tangent with zero compliance counts as a part of the median, 1
         let expected: Vec<f64> = (0..m)
             .map(|i| if i % 3 == 0 { 1.0 } else { 0.5 * (LEAST + 2.0) })
             .collect();

@@ -1,18 +1,18 @@
-//! Proximal steps with friction: a problem that is always soft enough to be solved, and harder each time.
+//! Proximal steps with friction: problems with an added compliance, which falls from one to the next.
 //!
 //! ```text
 //!   λ ← the solution of the law with F + a and d + aλ
 //! ```
 //!
-//! The compliance a that is added outweighs what friction couples, so that Newton's iteration on the states ends; the
-//! solution becomes the next centre λ, and where centres no longer change they solve the problem without a. After an
-//! iteration that ended a falls, after one that ran in a circle it rises. Contacts that share their forces (F of low rank) do
-//! no harm: F + a is definite.
+//! The added compliance a outweighs the coupling by friction, so that Newton's iteration on the states converges; the solution
+//! becomes the next centre λ, and a centre that no longer changes solves the problem without a. After an iteration that
+//! converged a falls, after one that ran in a circle it rises. Contacts that share their forces (F of low rank) are
+//! harmless: F + a is definite.
 //!
-//! The states come from the trial forces λ − g/c with the compliance c of each contact and what is left of its condition,
+//! The states come from the trial forces λ − g/c with the compliance c of each contact and the residual of its condition,
 //! g = gap + a(λ − centre). The trial forces centre − gap/a of the convex problem (`proximal.rs`) have the same solution, but
-//! they grow as a falls, beyond every bound: nodes would flip from one direction of slip to the other, and in space the
-//! linearised law would forget that a direction may turn.
+//! they grow without bound as a falls: nodes would flip from one direction of slip to the other, and in space the linearised
+//! law would lose its terms for a turning direction.
 //!
 //! As described in Acary, Brémond & Huber (2018) for the loop, Alart & Curnier (1991) for its steps.
 
@@ -41,7 +41,7 @@ const PATIENCE: usize = 10;
 /// Most Newton steps for one centre.
 const INNER: usize = 40;
 
-/// Errors of the law that Newton steps for one centre leave: a part of the residual of the centre before, at least the second.
+/// Accuracy of the law in the Newton steps for one centre: this part of the residual of the previous centre, at least the second.
 const INEXACT: f64 = 1e-3;
 pub(crate) const ACCURATE: f64 = 1e-10;
 
@@ -247,7 +247,7 @@ mod tests {
                 let (pressed, shear) = (lambda[n], lambda[t]);
                 assert!(pressed >= 0.0 && gap[n] > -1e-8 && (pressed * gap[n]).abs() < 1e-8);
                 assert!(shear.abs() <= coefficient * pressed + 1e-8);
-                // what slips, slips along its shear; what does not bear its bound does not slip
+                // a slipping node slips along its shear; a node below its bound does not slip
                 let slip = -gap[t];
                 assert!(slip * shear >= -1e-8);
                 let spare = coefficient * pressed - shear.abs();

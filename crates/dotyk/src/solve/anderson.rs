@@ -1,5 +1,5 @@
-//! Anderson's acceleration of a fixed point iteration t ← T(t): the next point is the one from which the iteration would not
-//! move, if what it did in the last steps were linear.
+//! Anderson's acceleration of a fixed point iteration t ← T(t): the next point would be the fixed point if T were linear, as
+//! estimated from the last steps.
 //!
 //! ```text
 //!   r = T(t) − t        γ minimises ‖r − Σ γⱼ Δrⱼ‖        next t = T(t) − Σ γⱼ (Δtⱼ + Δrⱼ)
@@ -18,7 +18,7 @@ const MEMORY: usize = 20;
 /// The normal equations of γ are shifted by this part of their trace: differences of late steps are nearly parallel.
 const SHIFT: f64 = 1e-10;
 
-/// An accelerated step after which the residual is more than this many times the one before is taken back.
+/// An accelerated step after which the residual exceeds this multiple of the one before is taken back.
 const WORSE: f64 = 2.0;
 
 /// One remembered step.
@@ -90,7 +90,7 @@ impl Anderson {
         });
     }
 
-    /// γ, oldest first; `None` where there is nothing to learn from.
+    /// γ, oldest first; `None` without remembered steps.
     fn weights(&self, residual: &[f64]) -> Option<Vec<f64>> {
         let n = self.differences.len();
         let product = |i: usize, j: usize| self.differences[i.max(j)].products[i.min(j)];

@@ -1,14 +1,14 @@
-//! What exact steps say of forces that are judged by displacements: how far off they are, and what is to be added to them.
+//! Errors of forces that are judged by displacements, and their corrections, both by exact steps.
 //!
 //! A gap is a difference of displacements that may be much larger (a slender body, a stiff one carried by a soft one), so that
-//! Fλ − d − Gᵀα drowns in the rounding of its terms where the displacements still tell it. *Increments* are free of that: at
+//! Fλ − d − Gᵀα is lost in the rounding of its terms, while the displacements still show it. *Increments* are free of that: at
 //! forces λ with the gaps g of their displacements the exact step solves
 //!
 //! ```text
 //!   wₐ·(g + F δλ − Gᵀδα) = 0,   G δλ = e − Gλ,   λ + δλ = offset + Σ xₐ cₐ
 //! ```
 //!
-//! for the states that λ and g ask for: iterative refinement, in which F need not be better than a few digits.
+//! for the states of the trial forces of λ and g: iterative refinement, in which a few correct digits of F are enough.
 
 use std::ops::ControlFlow;
 
@@ -21,21 +21,21 @@ use crate::solve::states::{State, unknowns};
 use crate::solve::system::System;
 use crate::solve::{FixedBounds, Newton};
 
-/// How many standard deviations of the rounding of gaps the forces are asked for.
+/// Size of the random changes of gaps, in standard deviations of their rounding.
 const DEVIATIONS: f64 = 3.0;
 
-/// What is open by so many times the rounding of its gap is so for sure.
+/// A contact is surely open if its gap exceeds its rounding by this factor.
 const UNDECIDED: f64 = 10.0;
 
-/// How often gaps that were not answered are asked again: null vectors of a shifted matrix leave all of theirs, others ever less.
+/// How often the rest of the gaps is solved for again: null vectors of a shifted matrix leave their rest unchanged, other vectors reduce it.
 const AGAIN: usize = 6;
 
-/// A force that answers by more than this what is left of the gap of a unit one is not determined by gaps. Null vectors answer by the
-/// inverse of the shift, 1e10; vectors of a stiffness of 2e-10 of the others, after so many times, by less.
+/// A force is not determined by gaps if its response to the remaining gap of a unit force exceeds this. Null vectors respond with the
+/// inverse of the shift, 1e10; vectors with 2e-10 of the compliance of the others respond with less after so many repetitions.
 pub(crate) const FREE: f64 = 1e8;
 
-/// What one exact step adds to forces and rigid amplitudes whose displacements have the gaps `gap`, known to `rounding`; `None`
-/// where it cannot be solved, and for a crowd. Shapes: (m,).
+/// Increments of forces and rigid amplitudes by one exact step from the gaps `gap` of their displacements, known to `rounding`;
+/// `None` where it cannot be solved, and for a crowd. Shapes: (m,).
 pub(crate) fn correction(
     problem: &DualProblem,
     multipliers: &Multipliers,
@@ -66,7 +66,7 @@ pub(crate) fn correction(
     let apart = offset.iter_mut().zip(&multipliers.lambda);
     apart.for_each(|(offset, force)| *offset -= force);
     for unknown in &mut list {
-        // the forces themselves are the start: what they have of each unknown
+        // the forces themselves are the start: their part of each unknown
         let x = unknown.nearest(&offset);
         for &(i, weight) in &unknown.force {
             offset[i] -= x * weight;
@@ -81,9 +81,9 @@ pub(crate) fn correction(
     Some(setup.multipliers(&found.lambda, &found.alpha))
 }
 
-/// How far each force is from that of the answer that a few exact steps find beside them (m,): by that much they are wrong, however
-/// small their gaps. `None` where exact steps find none, where states do not determine the forces,
-/// as in a crowd, where the gaps that should be closed are rounding, and where F is not assembled.
+/// Distance of each force from the answer that a few exact steps find nearby (m,): the error of the forces, however small their
+/// gaps are. `None` where exact steps find no answer, where states do not determine the forces (as in a crowd), where all gaps
+/// that should be closed are rounding already, and where F is only applied.
 pub(crate) fn distance_to_exact(
     problem: &DualProblem,
     multipliers: &Multipliers,
@@ -112,20 +112,20 @@ pub(crate) fn distance_to_exact(
     exact.then(|| difference.map(|(a, b)| (a - b).abs()).collect())
 }
 
-/// How far forces go with gaps that are not known.
+/// Change of forces with the uncertainty of gaps.
 pub(crate) struct Open {
-    /// What each force changes by (m,) where the gaps change by random numbers of some deviations of their rounding; NaN where that
-    /// cannot be solved.
+    /// Change of each force (m,) when gaps change by random numbers of some deviations of their rounding; NaN where that cannot be
+    /// solved.
     pub change: Vec<f64>,
-    /// Where states do not determine the forces, what each answers by (m,) to what is left of random gaps of unit forces: more than
-    /// [`FREE`] where no gap tells of it. Empty where they do.
+    /// Where states do not determine the forces, the response of each (m,) to the remaining random gaps of unit forces: above [`FREE`]
+    /// where no gap determines the force. Empty where states determine the forces.
     pub free: Vec<f64>,
 }
 
-/// How far forces go with gaps that change within `rounding` (m,). The states stay, but that what is open by no more than that may
-/// press. `None` where F is not assembled, and for a crowd.
+/// Change of forces when gaps change within `rounding` (m,). The states stay, except that contacts open by little more than
+/// rounding may press. `None` where F is only applied, and for a crowd.
 ///
-/// Forces whose gaps a stiff side alone tells apart go farthest, and random gaps have a part of those.
+/// Forces that only a stiff side distinguishes change most, and random gaps have a part along them.
 pub(crate) fn left_open(
     problem: &DualProblem,
     multipliers: &Multipliers,
@@ -152,7 +152,7 @@ pub(crate) fn left_open(
         let parts = gaps.iter().zip(&random);
         parts.map(|(gap, part)| gap * size * part).collect()
     };
-    // forces, what they leave of the gaps, and whether they are unique
+    // forces, the gaps that they leave, and whether they are unique
     let mut answer = |gaps: Vec<f64>| {
         setup.shift = gaps;
         let (list, known) = unknowns(&setup.admissible, &states, None, &problem.softness);
@@ -183,7 +183,7 @@ mod tests {
     use crate::solve::tests::{apart, applied, definite, of, silent};
     use crate::solve::{ContactSolver, Outcome};
 
-    /// Contacts that give way much together and little by themselves, and that only to within `error`.
+    /// Contacts with a large common compliance and a small one of their own, which is known only to within `error`.
     fn problem(error: f64) -> DualProblem {
         let m = 24;
         let near = |i: usize, j: usize| (-(i.abs_diff(j) as f64)).exp();
@@ -321,7 +321,7 @@ mod tests {
         off.lambda[0] += 1e-3;
         let distance = largest(0.0, &distance_to_exact(&problem, &off).unwrap());
         assert!((distance - 2e-3).abs() < 1e-9, "{distance}");
-        // an applied compliance is not asked
+        // an applied compliance is not used
         let f = definite(6);
         assert_eq!(
             distance_to_exact(&nodes(applied(&f, Mat::identity(6, 6))), &off),
@@ -336,7 +336,7 @@ mod tests {
             alpha: Vec::new(),
         };
         assert_eq!(distance_to_exact(&problem, &half(0.1)), None);
-        // gaps that are rounding tell nothing
+        // gaps that are rounding determine no forces
         let f = Mat::from_fn(2, 2, |i, j| f64::from(i == j));
         let blocks = vec![Block::Unilateral; 2];
         let problem = of(Compliance::Dense(f), &[0.5, 0.5], blocks, (&[], &[]));
@@ -347,7 +347,7 @@ mod tests {
 
     #[test]
     fn rounding_changes_forces_that_a_stiff_side_alone_tells_apart() {
-        // two forces on one soft place; what tells them apart is a millionth of what it gives
+        // two forces on one soft place; their relative compliance is a millionth of its compliance
         let f = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 + 1e-6 } else { 1.0 });
         let changes = |compliance: Compliance, shift: [f64; 2], lambda: [f64; 2]| {
             let problem = of(compliance, &shift, vec![Block::Unilateral; 2], (&[], &[]));
@@ -364,11 +364,11 @@ mod tests {
         let known = (0.5 * (own - other) / 1e-6).abs();
         let close = |x: &f64| (x.abs() / known - 1.0).abs() < 1e-5;
         assert!(known > 1e-5 && apart.change.iter().all(close) && apart.free.is_empty());
-        // nothing tells them apart
+        // no gap distinguishes them
         let same = Mat::from_fn(2, 2, |_, _| 1.0);
         let same = changes(Compliance::Dense(same), [2.0; 2], [1.0; 2]).unwrap();
         assert!(same.free.len() == 2 && same.free.iter().all(|x| x.abs() > FREE));
-        // beside a node that is open, what the soft place gives; one that touches within rounding may press
+        // beside an open node the compliance of the soft place counts; a node that touches within rounding may press
         let alone = |gap: f64| {
             let shift = [1.0 + 1e-6, 1.0 - gap];
             let open = changes(Compliance::Dense(f.clone()), shift, [1.0, 0.0]).unwrap();

@@ -8,7 +8,7 @@
 //! Generic over the method that solves with given bounds. It begins with the bounds of the starting point, or of the
 //! solution in which every pressed contact sticks. The map contracts for small coefficients; the observed factor is
 //! reported, because it speaks for or against a unique solution. Bounds that cannot carry the load, although some
-//! force within the law can, are doubled until they do. The inner accuracy follows the outer one; what counts at the end is
+//! force within the law can, are doubled until they do. The inner accuracy follows the outer one; the final criterion is
 //! the residual of the law itself.
 //!
 //! As described in Nečas, Jarušek & Haslinger (1980).
@@ -30,16 +30,16 @@ const DOUBLINGS: usize = 60;
 /// Least part of the way from bounds to the next.
 const LEAST_PART: f64 = 0.125;
 
-/// Accuracy of the first problem, and the least of all: bounds that are far off need no better forces.
+/// Accuracy of the first problem, the lowest of all: bounds that are far off need no better forces.
 const ROUGH: f64 = 1e-3;
 
-/// Accuracy of a problem in parts of the residual of the law: its own error is nothing beside that of the bounds.
+/// Accuracy of a problem as a part of the residual of the law: its own error is then negligible beside that of the bounds.
 const FOLLOWING: f64 = 1e-3;
 
-/// Changes of the bounds above this multiple of the accuracy of the problems tell the contraction.
+/// Changes of the bounds above this multiple of the accuracy of the problems serve to estimate the contraction.
 const TELLING: f64 = 100.0;
 
-/// Changes of the bounds below this part of the largest force say nothing of the contraction.
+/// Changes of the bounds below this part of the largest force do not serve to estimate the contraction.
 const ROUNDING: f64 = 1e-11;
 
 /// Solves the problem of `setup`, whose bounds follow from normal forces, by `method` for given bounds.
@@ -122,7 +122,7 @@ struct Search<'a, S> {
     change: Option<f64>,
     smallest: f64,
     still: usize,
-    /// The part of the way to the next bounds that is gone: a map that does not contract may still when it is less than all.
+    /// Relaxation: the part of the step to the next bounds that is taken. A map that does not contract may do so with less than 1.
     part: f64,
     contraction: Option<f64>,
 }
@@ -162,7 +162,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         Ok(outcome.stopped_by_observer.then_some(outcome))
     }
 
-    /// Keeps what a problem with given bounds gave; the outcome of all of them.
+    /// Keeps the outcome of a problem with given bounds; returns the outcome of all of them.
     fn keep(&mut self, outcome: Outcome) -> Outcome {
         self.iterations += outcome.iterations;
         let stopped = outcome.stopped_by_observer;
@@ -186,7 +186,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         }
     }
 
-    /// Counts rounds without progress, and estimates the contraction from changes that are more than inaccuracy.
+    /// Counts rounds without progress, and estimates the contraction from changes larger than the inaccuracy.
     fn compare(&mut self, bounds: &[f64], next: &[f64], accuracy: f64) {
         let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let change = largest(&mut bounds.iter().zip(next).map(|(a, b)| (a - b).abs()));
@@ -195,7 +195,7 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         if let Some(before) = self.change
             && (told || self.contraction.is_none() && change > ROUNDING * size)
         {
-            // the factor is that of the whole way
+            // the factor is that of full steps
             if self.part == 1.0 {
                 self.contraction = Some(change / before);
             }
@@ -284,7 +284,7 @@ mod tests {
         assert!(outcome.iterations >= iterations && !outcome.exact);
         assert!(outcome.remarks.is_empty());
         assert_eq!(outcome.products, setup.products());
-        // from the answer one round shows that it is one
+        // started at the answer, one round confirms it
         let again = fixed_point(
             &Newton::default(),
             &setup,
@@ -356,7 +356,7 @@ mod tests {
         let method = Newton::default();
         let mut search = Search::new(&method, &setup);
         let state = |search: &Search<'_, Newton>| (search.contraction, search.part, search.still);
-        // the first change tells nothing
+        // the first change gives no factor
         search.compare(&[1.0, 5.0], &[2.0, 9.0], 1e-3);
         assert_eq!(
             (search.change, search.smallest, state(&search)),
@@ -367,7 +367,7 @@ mod tests {
             (search.change, state(&search)),
             (Some(1.0), (Some(0.25), 1.0, 0))
         );
-        // a change that is no less: half of the way from here on, and the factor stands
+        // a change that is not smaller: half steps from here on, and the factor stands
         search.compare(&[2.0, 8.0], &[2.0, 7.0], 1e-3);
         assert_eq!(state(&search), (Some(1.0), 0.5, 1));
         search.compare(&[2.0, 8.0], &[2.0, 6.0], 1e-3);
@@ -378,17 +378,17 @@ mod tests {
         search.compare(&[2.0, 8.0], &[2.0, 5.0], 1e-3);
         search.compare(&[2.0, 8.0], &[2.0, 4.0], 1e-3);
         assert_eq!(search.part, LEAST_PART);
-        // what is inaccuracy of the problems tells nothing: 100 · 1e-3 · 8
+        // changes within the inaccuracy of the problems give no factor: 100 · 1e-3 · 8
         search.compare(&[2.0, 8.0], &[2.0, 7.3], 1e-3);
         assert_eq!((search.change, search.still), (None, 0));
         search.compare(&[2.0, 8.0], &[2.0, 7.1], 1e-3);
         assert_eq!(search.change, Some(8.0 - 7.1));
-        // rounding of the largest bound does not, however exact the problems are
+        // nor does rounding of the largest bound, however exact the problems are
         search.compare(&[2.0, 8.0], &[2.0, 8.0 - 7.9e-11], 0.0);
         assert_eq!(search.change, None);
         search.compare(&[2.0, 8.0], &[2.0, 8.0 - 8.1e-11], 0.0);
         assert!(search.change.is_some());
-        // without a factor so far a small change gives one, and does not shorten the way
+        // without a factor so far a small change gives one, and does not shorten the steps
         let mut search = Search::new(&method, &setup);
         search.compare(&[8.0], &[6.0], 1e-3);
         search.compare(&[6.0], &[5.9], 1e-3);

@@ -1,13 +1,13 @@
-//! Exact steps on what contact nodes do: guess open, stick or slip for each of them, solve for the forces of that guess,
-//! and guess anew from what comes out.
+//! Exact steps on the states of contact nodes: guess open, stick or slip for each of them, solve for the forces of that guess,
+//! and derive the next guess from the result.
 //!
-//! One step is one linear problem (`system.rs`). Its forces λ and gaps tell the next guess by the trial forces λ − gap/c
-//! with the compliance c of each contact: closed where these press, slipping where their shear is beyond its bound. The
-//! guess that asks for itself is the answer, exact but for the rounding of one solve. From a good start that takes a few
-//! steps; on general compliances the guesses may come back in a circle, and then the steps end and say which guess is next.
+//! One step is one linear problem (`system.rs`). Its forces λ and gaps give the next guess by the trial forces λ − gap/c
+//! with the compliance c of each contact: closed where these press, slipping where their shear is beyond its bound. A guess
+//! that reproduces itself is the answer, exact but for the rounding of one solve. From a good start that takes a few
+//! steps; on general compliances the guesses may run in a circle, and then the steps end and return the next guess.
 //!
 //! [`Search`] is the iterate of these steps and of the stages that follow where they fail: forces, residual, the best forces so far,
-//! and what it took.
+//! and the work done.
 //!
 //! As described in Hintermüller, Ito & Kunisch (2003) without friction, Alart & Curnier (1991) with it.
 
@@ -27,9 +27,9 @@ use crate::solve::{Observer, Outcome, SolveError, dot, largest, levels};
 pub(crate) struct Patience {
     /// Most steps.
     pub steps: usize,
-    /// Each residual is to be at most this part of the one before.
+    /// Each residual must be at most this part of the one before.
     pub factor: f64,
-    /// From this step on fewer states are to change than by the one before, or the residual is to fall.
+    /// From this step on fewer states must change than in the step before, or the residual must fall.
     pub settling: usize,
 }
 
@@ -42,7 +42,7 @@ impl Patience {
         }
     }
 
-    /// The same where fewer states are to change each time, or the residual is to fall, from such a step on.
+    /// The same; from step `settling` on fewer states must change each time, or the residual must fall.
     pub const fn settling(self, settling: usize) -> Self {
         Self { settling, ..self }
     }
@@ -51,8 +51,8 @@ impl Patience {
 /// Steps that are near the answer.
 pub(crate) const NEAR: Patience = Patience::new(6, 0.5);
 
-/// Most products with a compliance that is not assembled, several times those of large problems: where these do not do, the
-/// problem is too badly conditioned for iterations within a step.
+/// Most products with an applied compliance, several times as many as large problems need: where these are not enough, the
+/// problem is too ill-conditioned for iterations within a step.
 const PRODUCTS: usize = 3000;
 
 /// Changes the states that come next, given those before.
@@ -64,23 +64,23 @@ pub(crate) const STALLED: &str = "the residual did not fall below the tolerance"
 /// Residuals that are near an answer.
 pub(crate) const NEARBY: f64 = 1e-2;
 
-/// Residuals below this part of the tolerance are an answer whatever the states are: those that still change are rounding.
+/// A residual below this part of the tolerance is an answer whatever the states are: those that still change are rounding.
 pub(crate) const CERTAIN: f64 = 1e-3;
 
-/// Iterations within a step are as accurate as this part of the tolerance, so that what they leave does not decide.
+/// Accuracy of iterations within a step as a part of the tolerance, so that their error does not decide.
 const WITHIN: f64 = 1e-2;
 
-/// Their accuracy at the end: more is rounding of the products, less would show in the certificate.
+/// Their highest accuracy: beyond it lies the rounding of the products; a lower one would show in the certificate.
 const MOST_ACCURATE: f64 = 1e-13;
 const LEAST_ACCURATE: f64 = 1e-10;
 
-/// Their accuracy at the beginning, where the states are guesses: two digits tell most of them.
+/// Their accuracy at the beginning, where the states are guesses: two digits determine most of them.
 const BEGINNING: f64 = 1e-2;
 
 /// Accuracy of iterations within a step where the start is good: rougher forces would spoil it.
 const CLOSE: f64 = 1e-9;
 
-/// A gap of which a motion of unit length changes less does not move with it: rounding of orthonormal modes, ten times over.
+/// A gap that a motion of unit length changes by less does not move with it: ten times the rounding of orthonormal modes.
 const UNMOVED: f64 = 1e-12;
 
 /// Forces below this part of the largest are rounding of the linear solves.
@@ -99,7 +99,7 @@ pub(crate) fn tight(tolerance: f64) -> f64 {
     (WITHIN * tolerance).clamp(MOST_ACCURATE, LEAST_ACCURATE)
 }
 
-/// Accuracy where that does not do: in many contacts the error of one is small beside that of all.
+/// Accuracy where that is not enough: with many contacts the error of one is small beside that of all.
 pub(crate) fn finest(tolerance: f64) -> f64 {
     WITHIN * tight(tolerance)
 }
@@ -107,8 +107,8 @@ pub(crate) fn finest(tolerance: f64) -> f64 {
 /// An exact step from states that do not change any more.
 const ONCE: Patience = Patience::new(1, f64::INFINITY);
 
-/// States that iterates in a row ask for. They are those of the answer, mostly, long before the iterates are: exact steps from
-/// there tell, once for the same states.
+/// States of successive iterates. Mostly they are those of the answer long before the iterates converge: exact steps from there
+/// find out, once for the same states.
 #[derive(Default)]
 pub(crate) struct Settled {
     /// The last states, and for how many iterates they have been the same.
@@ -118,8 +118,8 @@ pub(crate) struct Settled {
 }
 
 impl Settled {
-    /// Exact steps where `states` have been the same so many times in a row; `None`, and the search where it was, where they have
-    /// not or no answer follows.
+    /// Exact steps if `states` have been the same `times` times in a row. Otherwise, or if no answer follows, `None` and an unchanged
+    /// search.
     pub fn exact(
         &mut self,
         search: &mut Search<'_>,
@@ -141,7 +141,7 @@ impl Settled {
         };
         let adjust = held(search.setup);
         let mut ended = search.exact(states, patience, &adjust, observe);
-        // the node that was still wrong is the one that the step tells of
+        // the step has corrected the one node that was still wrong
         if let Ended::Stuck(next) = &ended
             && differing(&keys, &State::keys(next)) == 1
         {
@@ -162,7 +162,7 @@ fn differing(these: &[(bool, u8)], those: &[(bool, u8)]) -> usize {
     these.iter().zip(those).filter(|(a, b)| a != b).count()
 }
 
-/// What stages are called that other files begin, too.
+/// Names of stages that other files begin, too.
 pub(crate) const EXACT_STEPS: &str = "exact steps";
 pub(crate) const COARSER: &str = "a coarser problem";
 pub(crate) const INTERIOR: &str = "interior points";
@@ -178,7 +178,7 @@ pub(crate) struct Search<'a> {
     pub residual: f64,
     /// The least residual so far, and where it was.
     pub best: (f64, Forces),
-    /// Largest force that the overlaps ask for.
+    /// Largest force |d|/softness of the overlaps.
     asked: f64,
     /// Linear solves on the problem itself.
     pub steps: usize,
@@ -188,7 +188,7 @@ pub(crate) struct Search<'a> {
     products: usize,
     /// Relative accuracy asked of iterations within a step.
     pub accuracy: f64,
-    /// What the last step was, as [`crate::solve::Iterate`] tells it.
+    /// Kind of the last step, as in [`crate::solve::Iterate`].
     pub kind: char,
     /// The states of the last exact step determine its forces.
     pub unique: bool,
@@ -201,7 +201,7 @@ pub(crate) struct Search<'a> {
 impl<'a> Search<'a> {
     /// Begins without any force.
     pub fn new((tolerance, most): (f64, usize), setup: &'a Setup<'a>) -> Self {
-        // the forces that the overlaps ask for: what is rounding of these is no force, whatever the solution
+        // the forces of the overlaps: a force within their rounding counts as zero, whatever the solution
         let asked = setup.problem.shift.iter().zip(&setup.problem.softness);
         let force = asked.fold(0.0, |s: f64, (d, c)| s.max((d / c).abs()));
         Self {
@@ -238,7 +238,7 @@ impl<'a> Search<'a> {
         Ok(State::of_all_forces(admissible, &self.point.lambda))
     }
 
-    /// Goes to some forces, and tells the states that these ask for.
+    /// Goes to some forces, and returns the states of their trial forces.
     ///
     /// Errors: as [`Self::states_of_guess`].
     pub fn states_asked_by(&mut self, forces: &Multipliers) -> Result<Vec<State>, SolveError> {
@@ -247,7 +247,7 @@ impl<'a> Search<'a> {
         Ok(self.next_states(&states, &self.judge.gap))
     }
 
-    /// Every contact closed, none slips.
+    /// Every contact closed, no node slips.
     pub fn all_closed(&self) -> Vec<State> {
         let blocks = self.setup.admissible.blocks().iter();
         blocks.map(|block| State::sticking(block, true)).collect()
@@ -278,7 +278,7 @@ impl<'a> Search<'a> {
         self.steps + self.coarse.ceil() as usize
     }
 
-    /// Whether the work allowed is done.
+    /// Whether the allowed work is used up.
     pub fn exhausted(&self) -> bool {
         let products = self.setup.products() - self.products;
         self.iterations() >= self.most || products >= PRODUCTS
@@ -288,11 +288,10 @@ impl<'a> Search<'a> {
         &self.setup.problem.softness
     }
 
-    /// Exact steps while there is patience, until the states repeat themselves; `adjust` may change those that come next.
+    /// Exact steps within `patience` until the states repeat themselves; `adjust` may change the next states.
     ///
-    /// Forces that pass are an answer even where their states are not those that they ask for: between stiff bodies the rounding of a
-    /// gap asks for a force that is more than nothing beside those of soft ones. Further steps may do better; if none does, they are
-    /// taken back.
+    /// Forces that pass are an answer even where their states are not reproduced: between stiff bodies the rounding of a gap stands
+    /// for a force that is not negligible beside those of soft ones. Further steps may be better; if no step is, they are taken back.
     pub fn exact(
         &mut self,
         states: Vec<State>,
@@ -398,7 +397,7 @@ impl<'a> Search<'a> {
         true
     }
 
-    /// Forces that are rounding of the largest one, or of what the overlaps ask for, become zero: their signs mean nothing.
+    /// Forces that are rounding of the largest one, or of the forces of the overlaps, become zero: their signs mean nothing.
     fn drop_rounding(&mut self) {
         let force = largest(self.asked, &self.point.lambda);
         let mut rest = false;
@@ -412,7 +411,7 @@ impl<'a> Search<'a> {
             }
             rest |= forces.iter().any(|own| own.abs() > ROUNDING * force);
         }
-        // bodies that are moved along and touch nothing: couples bear rounding
+        // bodies that move along without contact: couples bear rounding
         if !rest {
             self.point.lambda.fill(0.0);
             self.point.product.fill(0.0);
@@ -433,7 +432,7 @@ impl<'a> Search<'a> {
         tell(observe, self.iterations(), &point, self.residual)
     }
 
-    /// States that the forces of the last step and their gaps (m,) ask for. A node whose slip turned against its shear sticks
+    /// The next states, from the forces of the last step and their gaps (m,). A node whose slip turned against its shear sticks
     /// next: it never flips its direction.
     pub fn next_states(&self, states: &[State], gap: &[f64]) -> Vec<State> {
         self.next_states_of(states, gap, self.softness())
@@ -474,7 +473,7 @@ impl<'a> Search<'a> {
         states.iter().zip(blocks).map(next).collect()
     }
 
-    /// The point of some forces.
+    /// The point with these forces and amplitudes.
     pub fn at_forces(&mut self, lambda: Vec<f64>, alpha: Vec<f64>) -> Forces {
         let mut product = vec![0.0; lambda.len()];
         self.setup.multiply(&lambda, &mut product);
@@ -756,7 +755,7 @@ mod tests {
         assert!(matches!(second, Some(Ended::Converged)));
         assert_eq!(search.steps, 2);
 
-        // where two are wrong the search is where it was, and the same states are not tried again
+        // where two are wrong the search is unchanged, and the same states are not tried again
         let far: Vec<State> = answer
             .iter()
             .map(|state| State::sticking(&Block::Unilateral, !state.closed))
@@ -813,7 +812,7 @@ mod tests {
         let kept = [0.0, 4.2e-14, 0.0, 0.0, 0.0, 1.0, small];
         assert_eq!(search.point.lambda, kept);
         assert_eq!(search.point.product, [1.0; 7]);
-        // beside nothing else what the overlaps ask for decides, and nothing causes no displacement
+        // without other forces the forces of the overlaps decide, and no force causes no displacement
         search.point.lambda = vec![1.9e-14, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
         search.drop_rounding();
         assert_eq!(search.point.lambda, [0.0; 7]);
@@ -928,7 +927,7 @@ mod tests {
         };
         let (alpha, _) = moved([0.0, 0.5, 0.1], [true; 3]);
         assert_eq!(alpha, [0.0, 0.0]);
-        // closed contacts do not ask
+        // closed contacts are not considered
         let (alpha, _) = moved([-1.0, 0.5, 0.1], [false, true, true]);
         assert_eq!(alpha, [0.0, 0.0]);
         let (alpha, after) = moved([-1.0, 2.0, 2.0], [true; 3]);

@@ -1,10 +1,10 @@
-//! A solver that somebody else has written: forces are all that is taken from its answers, after a look at their shape.
+//! A solver from outside the library: only the forces of its answers are used, after a check of their shape.
 
 use crate::dual::{DualProblem, Multipliers};
 use crate::solve::{ContactSolver, Observer, Outcome, SolveError};
 
-/// Somebody else's solver. What it returns has the lengths of the problem and is finite, its indices are those of contact
-/// unknowns, and nobody has made its forces by exact steps; else there is an error.
+/// A solver from outside. Its answer must have the lengths of the problem, finite values and indices of contact unknowns; else
+/// there is an error. Its forces never count as those of exact steps.
 pub(crate) struct Foreign<'a>(pub &'a dyn ContactSolver);
 
 impl Foreign<'_> {

@@ -1,15 +1,15 @@
 //! States that hold the floating bodies: no linear problem is posed in which a body could slide or fly off freely.
 //!
-//! A guess may let every node of a body slip, or open, although its load must be borne by some of them. The nodes that want
-//! to slip least then stick, one after the other, until no body can slide; where the load still has nothing to bear it,
-//! contacts that were closed before stay closed.
+//! A guess may let every node of a body slip, or open, although some of them must bear its load. The nodes of least excess
+//! shear then stick, one after the other, until no body can slide; where the load is still not borne, contacts that were closed
+//! before stay closed.
 
 use crate::solve::setup::Setup;
 use crate::solve::states::{Shear, State};
 use crate::solve::system::{LOOSE, System};
 
-/// Changes `states` until they hold the floating bodies: nodes that want to slip least stick, then contacts of `before`
-/// stay closed (all of them where there is no before).
+/// Changes `states` until they hold the floating bodies: nodes of least excess shear stick, then contacts closed in `before`
+/// stay closed (all contacts without `before`).
 pub(crate) fn hold(setup: &Setup<'_>, states: &mut [State], before: Option<&[State]>) {
     if setup.modes() == 0 {
         return;
@@ -33,7 +33,7 @@ pub(crate) fn held<'a>(setup: &'a Setup<'_>) -> impl Fn(&mut Vec<State>, &[State
     |next, before| hold(setup, next, Some(before))
 }
 
-/// Nodes stick, those first that want to slip least, until no body slides freely.
+/// Nodes stick in the order of their excess shear, least first, until no body slides freely.
 fn stick_where_free(setup: &Setup<'_>, states: &mut [State]) {
     loop {
         let loose = System::of(setup, states, None, &setup.problem.softness).loose;
@@ -103,7 +103,7 @@ mod tests {
         hold(&setup, &mut states, None);
         assert_eq!(sticks(&states), [1]);
         assert_eq!([states[0].excess, states[2].excess], [3.0, 2.0]);
-        // an open node bears no shear, one that the motion does not move does not hold it
+        // an open node bears no shear, and a node that the motion does not move does not hold it
         let aside = vec![0.0, 1.0, 0.0, 1.0, 0.0, 0.0];
         let problem = nodes(3, &[aside], &[0.1]);
         let setup = Setup::new(&problem).unwrap();
@@ -133,11 +133,11 @@ mod tests {
         let setup = Setup::new(&problem).unwrap();
         let block = &setup.admissible.blocks()[0];
         let open = || vec![State::sticking(block, false); 3];
-        // all where nothing was before
+        // all contacts, without states before
         let mut states = open();
         hold(&setup, &mut states, None);
         assert!(states.iter().all(|state| state.closed));
-        // those of before, with what they did
+        // those closed before, with their states
         let before = vec![
             State::sticking(block, false),
             slipping(true, 1.5),
@@ -149,7 +149,7 @@ mod tests {
         let mut states = open();
         held(&setup)(&mut states, &before);
         assert_eq!(states, before);
-        // one is enough: nothing is changed
+        // one is enough: no state changes
         let mut states = open();
         states[2].closed = true;
         let own = states.clone();

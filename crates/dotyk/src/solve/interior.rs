@@ -1,4 +1,4 @@
-//! Interior points: forces and what they are multiplied with stay inside the cones of the law, and go to its border together.
+//! Interior points: forces and their complements stay inside the cones of the law, and approach its border together.
 //!
 //! With s = (bound, λₜ), which lies in the cone K = {s₀ ≥ ‖sₜ‖} of every node, the conditions of a contact problem are those of
 //!
@@ -13,18 +13,18 @@
 //! normal force and one of constant s₀.
 //!
 //! Newton's method on s∘z = τ, τ → 0, linearised where the same transformation of the cone takes s and z to one point
-//! (Nesterov & Todd), with a first step towards τ = 0 that tells how far τ can fall (Mehrotra), and further ones that bring products
-//! s∘z nearer to τ which are far from it, as long as they let the step go farther (Gondzio), where an energy falls. ‖zₜ‖ is rounded by a part of
-//! z₀ − ‖zₜ‖. Each step is one linear problem
+//! (Nesterov & Todd). A first step towards τ = 0 shows how far τ can fall (Mehrotra). Where there is an energy, further steps bring
+//! products s∘z that are far from τ nearer to it, as long as that lengthens the step (Gondzio). ‖zₜ‖ is rounded by a part of z₀ − ‖zₜ‖.
+//! Each step is one linear problem
 //!
 //! ```text
 //!   (F + (Aᵀ − N) W⁻² A) dλ − Ĝᵀdα̂ = ..,    Ĝdλ = ..
 //! ```
 //!
-//! with N the derivative of growth ‖zₜ‖, regular whatever F is, in however many ways contacts share their forces, and however many
-//! bodies float. No state is guessed on the way, and none can come back: ten to twenty steps in nearly all problems. States that no
-//! contact is undecided about are those of the answer, mostly but for a node, long before τ is small: exact steps end it. With friction the
-//! term in ‖zₜ‖ may bring them to a standstill: then there may be no answer, or another stage finds it.
+//! with N the derivative of growth ‖zₜ‖. It is regular for any F, however contacts share their forces and however many bodies float.
+//! No states are guessed, so that no circle of states is possible: ten to twenty steps in nearly all problems. Once all contacts are
+//! clearly open or closed their states are those of the answer, mostly but for a node, long before τ is small: exact steps end it.
+//! With friction the term in ‖zₜ‖ may stall the steps: then there may be no answer, or another stage finds it.
 //!
 //! As described in Nesterov & Todd (1998), Mehrotra (1992) and Gondzio (1996) for cones and for the order of steps; Acary, Cadoux, Lemaréchal & Malick
 //! (2011) for friction as a problem in cones, with ‖zₜ‖ given.
@@ -38,57 +38,57 @@ use crate::solve::states::State;
 use crate::solve::{Observer, dot, largest, norm};
 use std::ops::Range;
 
-/// Most steps: most problems take ten, and what takes more than thirty has no answer.
+/// Most steps: most problems take ten, and a problem that takes more than thirty has no answer.
 const STEPS: usize = 40;
 
-/// So many steps without a residual of this part of the least one are no progress.
+/// The steps have stalled after more than so many without a residual below this part of the least one.
 const PATIENCE: usize = 12;
 const PROGRESS: f64 = 0.9;
 
-/// A residual that meets the tolerance and is more than this part of the one before is the least to be had.
+/// A residual that meets the tolerance and exceeds this part of the one before is the least within reach.
 const SLOW: f64 = 0.5;
 
-/// Contacts that are so far from the middle between closed and open tell their states, at once or where these come twice; those of
-/// which force and gap are both traces never are, and come twice where residuals are as small as this.
+/// States are tried if all contacts are this far from the middle between closed and open: at once, or if the states come twice. Contacts
+/// with a negligible force and a negligible gap never are; with residuals as small as the third, states that come twice are tried.
 const SURELY: f64 = 0.9;
 const LIKELY: f64 = 0.3;
 const SMALL: f64 = 1e-2;
 
-/// A step goes this part of the way to the border, and a further part where the first step can go far; where slip lifts, and an
-/// energy falls, it leaves this part of what the first step leaves, at least the second.
+/// A step goes this part of the way to the border, and a further part where the first step can go far. Where slip lifts, and there is
+/// an energy, it leaves this part of the way that the first step leaves, at least the second.
 const SHORT: f64 = 0.9;
 const FURTHER: f64 = 0.09;
 const LEFT: f64 = 0.1;
 const LEAST_LEFT: f64 = 1e-4;
 
-/// Where an energy falls, most corrections that bring products s∘z far from the others between τ over and times this; each is to go
-/// so much farther than the one before, and is worth while where it goes this part of that.
+/// Where there is an energy: most corrections, which bring outlying products s∘z between τ over and τ times the second number; by how
+/// much each aims to lengthen the step, and the part of that which makes it worth while.
 const CENTRED: usize = 3;
 const SPREAD: f64 = 10.0;
 const FARTHER: f64 = 0.3;
 const WORTH: f64 = 0.1;
 
-/// τ falls to this part of itself at most.
+/// Largest reduction of τ in one step.
 const FALL: f64 = 1e-8;
 
-/// ‖zₜ‖ is rounded by this part of z₀ − ‖zₜ‖: between the most that leaves steps short and the least that leaves a corner.
+/// ‖zₜ‖ is rounded by this part of z₀ − ‖zₜ‖: more would leave steps short, less would leave a corner.
 const ROUNDED: f64 = 0.05;
 
-/// Largest product of forces with the balance and the overlaps that a start is made of: forces of bodies that float are told by
-/// their load, and overlaps tell more only where these are far smaller.
+/// Largest ratio of the starting force to the load of floating bodies: their load gives the size of the forces, and overlaps count
+/// beyond it only up to this factor.
 const BEYOND_LOAD: f64 = 10.0;
 
-/// Gaps begin with no less than this part of the largest one.
+/// Starting gaps are at least this part of the largest one.
 const NEAREST: f64 = 1e-3;
 
-/// Coefficients below this one count as this one where gaps begin.
+/// Coefficients below this one count as this one in the starting gaps.
 const SMOOTH: f64 = 0.1;
 
 /// More unknowns than this are too many for a factor of all of them in each step.
 const MOST: usize = 2000;
 
-/// F where interior points can serve; `None` where F is not assembled or too large, and where a trace of a normal force brings
-/// cohesion, which is no cone.
+/// F where interior points apply; `None` where F is not assembled or too large, and for cohesive nodes, whose admissible forces
+/// form no cone.
 fn assembled<'a>(setup: &Setup<'a>) -> Option<&'a Mat<f64>> {
     match &setup.problem.compliance {
         Compliance::Dense(compliance) if setup.len() <= MOST && !setup.admissible.jumps() => {
@@ -98,7 +98,7 @@ fn assembled<'a>(setup: &Setup<'a>) -> Option<&'a Mat<f64>> {
     }
 }
 
-/// Whether [`interior`] can serve.
+/// Whether [`interior`] applies.
 pub(crate) fn serves(setup: &Setup<'_>) -> bool {
     assembled(setup).is_some()
 }
@@ -132,7 +132,7 @@ pub(crate) fn interior(
         let asked = at.states(&search.judge.gap);
         let decided = at.decided(&search.judge.gap);
         let times = match decided {
-            // where no energy falls, points may stand still whose states are those of the answer
+            // without an energy points may stall although their states are those of the answer
             _ if follows => 2,
             _ if decided >= SURELY => 1,
             _ if decided >= LIKELY || residual <= SMALL => 2,
@@ -141,7 +141,7 @@ pub(crate) fn interior(
         if let Some(ended) = settled.exact(search, asked, times, observe) {
             return ended;
         }
-        // what is nearly closed or open leaves traces of forces and gaps: as small ones as are to be had
+        // undecided contacts keep small forces and gaps: steps go on while these get smaller
         let enough = residual <= CERTAIN * search.tolerance || residual > SLOW * before;
         if enough && passes(search) {
             return Ended::Converged;
@@ -161,8 +161,8 @@ pub(crate) fn interior(
     }
 }
 
-/// Forces that meet the tolerance, and the certificate where they are to answer the problem itself: beside a large clearance the
-/// residual lets pass what the certificate does not.
+/// Whether forces meet the tolerance, and, if they answer the problem itself, the certificate: beside a large clearance the residual
+/// may pass where the certificate does not.
 fn passes(search: &Search<'_>) -> bool {
     let (setup, point) = (search.setup, &search.point);
     let certified = || {
@@ -231,8 +231,8 @@ fn reach(s: &Vector, ds: &Vector) -> f64 {
     }
 }
 
-/// What brings a product s∘z to one whose eigenvalues s₀ ± ‖sₜ‖ are between τ over and times [`SPREAD`], but takes at most that
-/// much from either.
+/// The change of a product s∘z that brings its eigenvalues s₀ ± ‖sₜ‖ between τ/[`SPREAD`] and τ·[`SPREAD`], but lowers neither by
+/// more than the latter.
 fn lacking(product: &Vector, tau: f64) -> Vector {
     let size = tail(product);
     let lacks = |value: f64| (value.clamp(tau / SPREAD, tau * SPREAD) - value).max(-tau * SPREAD);
@@ -343,7 +343,7 @@ impl Cone {
         image
     }
 
-    /// ‖zₜ‖, rounded, and its derivative; none where slip lifts.
+    /// ‖zₜ‖, rounded, and its derivative; zero where slip lifts.
     fn slip(&self) -> (f64, [f64; 2]) {
         if !self.follows {
             return (0.0, [0.0; 2]);
@@ -362,25 +362,25 @@ impl Cone {
         }
     }
 
-    /// The components that it is made of.
+    /// Its components of λ.
     fn components(&self) -> impl Iterator<Item = usize> {
         let normal = (self.growth > 0.0).then_some(self.normal);
         normal.into_iter().chain(self.tangents.clone())
     }
 }
 
-/// What a step changes.
+/// The change by a step.
 struct Change {
     lambda: Vec<f64>,
     alpha: Vec<f64>,
     cones: Vec<(Vector, Vector)>,
 }
 
-/// Where the steps are.
+/// The iterate.
 struct Interior<'a> {
     setup: &'a Setup<'a>,
     cones: Vec<Cone>,
-    /// λ of nodes without any friction have no shear: these are no unknowns.
+    /// Components of λ that are unknowns: not the shears of nodes without friction.
     unknown: Vec<usize>,
     /// λ inside the cones, α̂ and Fλ.
     at: Forces,
@@ -389,8 +389,8 @@ struct Interior<'a> {
 }
 
 impl<'a> Interior<'a> {
-    /// With friction the same force at every node, as large as loads and overlaps ask for, and gaps as large as these. Where an energy
-    /// falls, gaps as they are at first, but no less than that force gives way, and forces whose products with them are the same.
+    /// The start. Where bounds follow: the same force at every node, of the size of loads and overlaps, and the same gap. Where there is
+    /// an energy: the gaps −d, at least the compression by that force, and forces with the same product of force and gap.
     fn new(setup: &'a Setup<'a>) -> Self {
         let mut cones: Vec<Cone> = setup
             .admissible
@@ -435,7 +435,7 @@ impl<'a> Interior<'a> {
                 false => least.max(-setup.shift[cone.normal]),
             };
             let force = if follows { force } else { force * least / gap };
-            // a bound that is given has no normal force in it
+            // a given bound involves no normal force
             if cone.growth > 0.0 {
                 at.lambda[cone.normal] = force;
             }
@@ -459,7 +459,7 @@ impl<'a> Interior<'a> {
         }
     }
 
-    /// States that forces and gaps (m,) ask for.
+    /// States of forces and gaps (m,).
     fn states(&self, gap: &[f64]) -> Vec<State> {
         let softness = &self.setup.problem.softness;
         let blocks = self.setup.admissible.iter();
@@ -472,7 +472,7 @@ impl<'a> Interior<'a> {
         blocks.map(state).collect()
     }
 
-    /// How far contacts are from the middle between closed and open, least of all nodes: (λ − gap/c)/(λ + gap/c), without its sign.
+    /// Least distance of a contact from the middle between closed and open: |λ − gap/c|/(λ + gap/c).
     fn decided(&self, gap: &[f64]) -> f64 {
         let softness = &self.setup.problem.softness;
         let pressed = self.cones.iter().filter(|cone| cone.growth > 0.0);
@@ -483,7 +483,7 @@ impl<'a> Interior<'a> {
         })
     }
 
-    /// Goes one step; `None` where rounding ends them.
+    /// Goes one step; `None` where rounding prevents it.
     fn step(&mut self, compliance: &Mat<f64>) -> Option<()> {
         let scalings: Option<Vec<Scaling>> = self
             .cones
@@ -496,7 +496,7 @@ impl<'a> Interior<'a> {
         let products = self.cones.iter().map(|cone| inner(&cone.s, &cone.z));
         let count = self.cones.len() as f64;
         let tau = products.sum::<f64>() / count;
-        // L and what is to be changed of L∘L
+        // L and the required change of L∘L
         let middles: Vec<Vector> = self
             .cones
             .iter()
@@ -568,8 +568,8 @@ impl<'a> Interior<'a> {
         Some(())
     }
 
-    /// What the products s∘z lack to be near τ after a change of length `aimed`: one that is far from the others keeps all of them
-    /// from going on.
+    /// Changes that bring the products s∘z near τ after a step of length `aimed`: an outlying product keeps all cones from longer
+    /// steps.
     fn outside(
         &self,
         scalings: &[Scaling],
@@ -585,7 +585,7 @@ impl<'a> Interior<'a> {
         each.collect()
     }
 
-    /// How far the cones let a change go.
+    /// The longest step along a change within the cones.
     fn reach(&self, change: &Change) -> f64 {
         let cones = self.cones.iter().zip(&change.cones);
         cones.fold(f64::INFINITY, |t, (cone, (ds, dz))| {
@@ -603,8 +603,8 @@ struct Orthonormal {
 }
 
 impl Orthonormal {
-    /// Gram's and Schmidt's way, twice, the longest one first: where few contacts press, the rest of the others is nothing beside
-    /// them, and yet what holds the body.
+    /// Gram–Schmidt, twice, the longest row first: where few contacts press, the remainders of the other rows are small beside it,
+    /// and yet they hold the body.
     fn of(mut rows: Vec<Vec<f64>>) -> Self {
         let k = rows.len();
         let mut from: Vec<Vec<f64>> = (0..k)
@@ -644,10 +644,10 @@ impl Orthonormal {
 struct Linear {
     matrix: Mat<f64>,
     factors: Lu,
-    /// What unknowns are multiplied with.
+    /// Scale factors of the unknowns.
     scales: Vec<f64>,
     rows: Orthonormal,
-    /// What is to be gained: minus what the conditions of the bodies leave, (m,), and the balance, (k,).
+    /// Right sides: minus the residuals of the conditions of the bodies, (m,), and of the balance, (k,).
     rest: (Vec<f64>, Vec<f64>),
 }
 
@@ -754,7 +754,7 @@ impl Linear {
         let right: Vec<f64> = right.chain(balance).collect();
         let mut solution = vec![0.0; right.len()];
         let mut image = vec![0.0; right.len()];
-        // the second pass takes away what rounding left
+        // the second pass removes rounding
         for _ in 0..2 {
             matvec(&self.matrix, &solution, &mut image);
             let mut left = Mat::from_fn(right.len(), 1, |i, _| right[i] - image[i]);
@@ -790,7 +790,7 @@ impl Linear {
     }
 }
 
-/// About 1/√x, a power of two, which rounds nothing; 1 where there is none.
+/// About 1/√x, a power of two, which rounds nothing; 1 where x has no such power.
 fn power_of_two(x: f64) -> f64 {
     match x > 0.0 && x.is_finite() {
         true => (-0.5 * x.log2()).round().exp2(),
@@ -843,7 +843,7 @@ mod tests {
             assert!(apart(&scaling.back(&scaling.forth(&s)), &s) < 1e-14);
             let twice = scaling.back(&scaling.back(&s));
             assert!(apart(&scaling.back_twice(&s), &twice) < 1e-14);
-            // s and z change by W, and what is inside stays there
+            // s and z change by W, and stay inside
             assert!(determinant(&from) > 0.0 && from[0] > 0.0);
             // without tangents it is √(s/z)
             if s[1] == 0.0 {
@@ -924,7 +924,7 @@ mod tests {
         }
     }
 
-    /// Contacts that give way alike, a thousand bodies' worth stiffer or softer.
+    /// Contacts of compliances that differ by orders of magnitude.
     #[test]
     fn stiff_contacts_beside_soft_ones_are_found() {
         let c = [1.0, 1e-6, 1e6, 1.0];
@@ -962,7 +962,7 @@ mod tests {
         }
     }
 
-    /// A node in space with nothing beside it slips along what it is drawn by, at its bound, and is not lifted by that.
+    /// A single node in space slips along its shear, at its bound, and is not lifted by that.
     #[test]
     fn slip_in_space_is_along_its_shear_and_does_not_lift() {
         let f = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 0.0 });

@@ -24,10 +24,10 @@ const TOO_NEAR: f64 = 1e-12;
 /// A Rayleigh quotient exceeds a bound by this factor at least: else it is rounding of the differences.
 const EXCEEDS: f64 = 1.000_001;
 
-/// What to do where a method did not converge.
+/// Advice where a method did not converge.
 const ADVICE: &str = "allow more iterations, or use newton";
 
-/// A method: its state, and how that goes on.
+/// A method: its state and its step.
 pub(crate) trait Iteration {
     /// Number of the first point: 1 where it is a step away from the start already.
     const FIRST: usize = 0;
@@ -35,14 +35,14 @@ pub(crate) trait Iteration {
     /// Finds Fλ and α̂ at the present forces.
     fn evaluate(&mut self);
 
-    /// Where it is.
+    /// The present point.
     fn point(&self) -> Position<'_>;
 
     /// Goes to the next forces from the gaps (m,) of the present ones; how many iterations that counts for.
     fn advance(&mut self, gap: &[f64]) -> usize;
 
-    /// The residual of the forces that would be returned, where the one that was found is an estimate; `None` where it is not
-    /// worth asking. `last`: there is no further step.
+    /// The residual of the forces that would be returned, where `estimate` is only an estimate; `None` where computing it is not
+    /// worth while. `last`: there is no further step.
     fn verdict(&mut self, estimate: f64, _judge: &mut Judge, _last: bool) -> Option<f64> {
         Some(estimate)
     }
@@ -52,7 +52,7 @@ pub(crate) trait Iteration {
         None
     }
 
-    /// What to do where it did not converge.
+    /// Advice where it did not converge.
     fn advice(&self) -> String {
         ADVICE.to_string()
     }
@@ -139,7 +139,7 @@ pub(crate) fn counting_from<'a>(
     }
 }
 
-/// What a method returns that ended in another one: the outcome of that, completed.
+/// The completed outcome of a method that continued with another one.
 pub(crate) fn completed(
     method: &'static str,
     result: Result<Outcome, SolveError>,
@@ -255,7 +255,7 @@ impl<'a> Projection<'a> {
         pairs.for_each(|(alpha, tau)| *alpha = -tau / rho);
     }
 
-    /// The forces (m,) nearest to some trial forces, and what their multipliers pull (k,).
+    /// The forces (m,) nearest to some trial forces; returns their multipliers τ (k,).
     pub fn project(&mut self, trial: impl Fn(usize) -> f64, lambda: &mut [f64]) -> &[f64] {
         for (i, value) in self.trial.iter_mut().enumerate() {
             *value = trial(i);
@@ -265,8 +265,8 @@ impl<'a> Projection<'a> {
     }
 }
 
-/// Whether (x − y)ᵀF(x − y) exceeds `bound`‖x − y‖² over the chosen components, and by which Rayleigh quotient;
-/// differences that are rounding are not judged.
+/// The Rayleigh quotient of x − y over the chosen components if (x − y)ᵀF(x − y) exceeds `bound`‖x − y‖²; differences that are
+/// rounding are not judged.
 pub(crate) fn steeper_than(
     bound: f64,
     x: &Forces,
@@ -310,7 +310,7 @@ mod tests {
         list: Vec<f64>,
         next: usize,
         at: Forces,
-        /// What a verdict says of the estimate.
+        /// The verdict from the estimate.
         verdict: fn(f64, bool) -> Option<f64>,
     }
 
@@ -438,7 +438,7 @@ mod tests {
     fn verdict_decides_in_place_of_the_estimate() {
         let problem = one();
         let setup = Setup::new(&problem).unwrap();
-        // not worth asking: goes on although the estimate passes
+        // not computed: goes on although the estimate passes
         let mut told = Told::new(&setup, &[1.0]);
         told.verdict = |_, last| last.then_some(0.5);
         let error = iterate(&limits(3), &setup, &mut told, 0, &mut silent).unwrap_err();
@@ -464,7 +464,7 @@ mod tests {
             let result = iterate(&limits(20), &setup, &mut told, 0, &mut silent);
             (result.is_ok(), told.next)
         };
-        // the start does not count: its force may be nothing
+        // the start does not count: its force may be zero
         assert_eq!(ends(&[1e-20, 2.0, 1.99e12, 1.0]), (true, 4));
         assert_eq!(ends(&[1e-20, 2.0, -2.01e12, 1.0]), (false, 3));
         assert_eq!(ends(&[0.0, 2.0, 2.01e12, 1.0]), (false, 3));
@@ -621,7 +621,7 @@ mod tests {
             |lambda: &[f64]| -> f64 { lambda.iter().zip(&modes[0]).map(|(l, g)| l * g).sum() };
         let (mut projection, mut at) = Projection::start(&setup, Some(&guess)).unwrap();
         assert!((carried(&at.lambda) - 4.0).abs() < 1e-12);
-        // the nearest force: what it moved is along the mode, but for what is held at zero
+        // the nearest force: its change is along the mode, but for the component held at zero
         assert_eq!(at.lambda[1], 0.0);
         let moved = [at.lambda[0] - 3.0, at.lambda[2] - 1.0];
         assert!((moved[0] - 2.0 * moved[1]).abs() < 1e-12, "{moved:?}");

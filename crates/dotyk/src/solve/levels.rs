@@ -1,4 +1,4 @@
-//! Starting points from coarser problems: neighbouring contact nodes as one, solved, and what came out spread again.
+//! Starting points from coarser problems: neighbouring contact nodes act as one, and the solution is spread over them again.
 //!
 //! ```text
 //!   λ = Pλ', every node of a cluster bears an equal part;   F' = PᵀFP,  d' = Pᵀd,  G' = GP
@@ -36,8 +36,8 @@ const ACCURACY: f64 = 1e-4;
 /// Most linear solves on a coarser problem.
 const STEPS: usize = 40;
 
-/// Applied F: blocks of the coarsest problem and how many times fewer these must be, most columns of FP, by how many pairings
-/// clusters become finer at once, and up to how many clusters beside a change of states.
+/// Applied F: most blocks of the coarsest problem; the least ratio of fine to coarse blocks; most columns of FP; by how many
+/// pairings clusters become finer at once; and up to how many clusters away from a change of states.
 const COARSEST: usize = 64;
 const FEWER: usize = 4;
 const COLUMNS: usize = 1024;
@@ -51,13 +51,13 @@ pub(crate) struct Start {
     /// α̂, (k,).
     pub alpha: Vec<f64>,
     pub states: Vec<State>,
-    /// The coarser problem has an answer, and did not come to a standstill.
+    /// The coarser problem has an answer and did not stall.
     pub solved: bool,
     /// Linear solves, each counted by its share of unknowns.
     pub steps: f64,
 }
 
-/// Solves coarser problems by `solve`; `None` where there are none, or the last of them has no answer.
+/// Solves coarser problems by `solve`; `None` where there is no coarser problem, or the last one has no answer.
 pub(crate) fn start(setup: &Setup<'_>, solve: CoarseSolver<'_>) -> Option<Start> {
     let problem = setup.problem;
     if problem.neighbours.is_empty() {
@@ -113,7 +113,7 @@ fn pairs(blocks: &[Block], neighbours: &[[usize; 2]]) -> Vec<Vec<usize>> {
     members
 }
 
-/// Neighbours of every one of `count` blocks.
+/// Neighbours of each of `count` blocks.
 fn beside(count: usize, neighbours: &[[usize; 2]]) -> Vec<Vec<usize>> {
     let mut beside: Vec<Vec<usize>> = vec![Vec::new(); count];
     for &[a, b] in neighbours {
@@ -142,7 +142,7 @@ struct Clusters {
     place: Vec<(usize, f64)>,
 }
 
-/// A coarser problem and what came out.
+/// A coarser problem and its answer.
 struct Coarse {
     outcome: Outcome,
     solved: bool,
@@ -187,7 +187,7 @@ impl Clusters {
         compliance
     }
 
-    /// Solves the problem of the clusters, whose compliance is given; `None` where it has no answer.
+    /// Solves the problem of the clusters with the given compliance; `None` where it has no answer.
     fn solve(
         &self,
         setup: &Setup<'_>,
@@ -200,7 +200,7 @@ impl Clusters {
         let (outcome, solved) =
             match solve(limits, &coarse_setup, &mut |_| ControlFlow::Continue(())) {
                 Ok(outcome) => (outcome, true),
-                // a guess that is rough is still one
+                // a rough guess is still a guess
                 Err(SolveError::NotConverged { outcome, .. }) => (*outcome, false),
                 Err(_) => return None,
             };
@@ -214,7 +214,7 @@ impl Clusters {
         })
     }
 
-    /// The problem of the clusters; `None` where its data are not those of a problem.
+    /// The problem of the clusters; `None` where its data are invalid.
     fn problem(&self, setup: &Setup<'_>, compliance: Mat<f64>) -> Option<DualProblem> {
         let fine = setup.problem;
         let m = self.admissible.len();
@@ -239,7 +239,7 @@ impl Clusters {
         Some(problem)
     }
 
-    /// Where the fine problem begins.
+    /// The start of the fine problem.
     fn start(&self, setup: &Setup<'_>, found: &Coarse) -> Start {
         let forces = &found.outcome.multipliers;
         let part = |&(to, share): &(usize, f64)| share * forces.lambda[to];
@@ -258,7 +258,7 @@ impl Clusters {
     }
 }
 
-/// The law of blocks that are one.
+/// The law of blocks that act as one.
 fn together(fine: &AdmissibleSet, members: &[usize]) -> Block {
     let laws = members
         .iter()
@@ -267,7 +267,7 @@ fn together(fine: &AdmissibleSet, members: &[usize]) -> Block {
     fine.blocks()[members[0]].with_friction(|law| law.together(&laws))
 }
 
-/// Contacts become wider by one node, which does what the one beside it does: sticking, it would drag at the others.
+/// Contacts become wider by one node, which takes the state of its neighbour: a sticking one would drag at the others.
 fn widen(states: &mut [State], admissible: &AdmissibleSet, neighbours: &[[usize; 2]]) {
     let before = states.to_vec();
     for &[a, b] in neighbours {
@@ -294,7 +294,7 @@ struct Cut {
 }
 
 impl Cut {
-    /// The coarsest clusters; `None` where these are not few.
+    /// The coarsest clusters; `None` where they are too many.
     fn new(setup: &Setup<'_>) -> Option<Self> {
         let fine = &setup.admissible;
         let count = fine.blocks().len();
@@ -339,7 +339,7 @@ impl Cut {
         self.blocks.len() - 1
     }
 
-    /// Solves the problem of the clusters, again and again, finer where states change.
+    /// Solves the problem of the clusters repeatedly, each time finer where states change.
     fn refine(
         mut self,
         setup: &Setup<'_>,
@@ -417,7 +417,7 @@ impl Cut {
         Mat::from_fn(m, m, |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]))
     }
 
-    /// Makes clusters finer that are beside a change of states; `false` where there are none.
+    /// Splits clusters beside a change of states; `false` where there is no such cluster.
     fn split(&mut self, clusters: &Clusters, states: &[State]) -> bool {
         let mut near: Vec<bool> = vec![false; states.len()];
         for &[a, b] in &clusters.neighbours {
@@ -474,8 +474,8 @@ fn component_sizes(beside: &[Vec<usize>]) -> Vec<usize> {
     sizes
 }
 
-/// What every component gives way while its neighbours stay behind, (m,), length over force: wᵀFw with w one there and
-/// minus the mean of the neighbours. Slender bodies give way as a whole far more than from node to node.
+/// Compliance of every component relative to its neighbours, (m,), length over force: wᵀFw with w = 1 at the component and minus
+/// their mean at the neighbours. The compliance of slender bodies as a whole is far larger than from node to node.
 pub(crate) fn local_softness(setup: &Setup<'_>) -> Vec<f64> {
     let problem = setup.problem;
     let mut local = problem.softness.clone();
@@ -512,7 +512,7 @@ pub(crate) fn local_softness(setup: &Setup<'_>) -> Vec<f64> {
     local
 }
 
-/// Below this part of its own softness a difference is rounding.
+/// A relative compliance below this part of the component's own is rounding.
 const LEAST: f64 = 1e-12;
 
 #[cfg(test)]
@@ -779,7 +779,7 @@ mod tests {
         // 252, 126, 63: a fourth
         assert_eq!(cut(252).unwrap().len(), 63);
         assert!(cut(251).is_none());
-        // 64 are not paired, and no fewer than all
+        // 64 nodes are not paired: the clusters are not fewer than all nodes
         assert!(cut(64).is_none());
     }
 
@@ -836,7 +836,7 @@ mod tests {
         );
         assert!(tree.fill(&setup, &**apply));
         assert_eq!(setup.products(), 38 + 16);
-        // where no state changes nothing becomes finer
+        // without a change of states no cluster becomes finer
         let members = tree.cut.iter().map(|&node| tree.blocks[node].clone());
         let clusters = Clusters::new(members.collect(), &setup);
         let all = vec![State::sticking(&Block::Unilateral, true); 50];

@@ -1,4 +1,4 @@
-//! Algorithms for the dual contact problem, one file each; all of them see a [`DualProblem`] and nothing else.
+//! Algorithms for the dual contact problem, one file each; they see a [`DualProblem`] only.
 //!
 //! ```text
 //!   min  1/2 λᵀFλ − dᵀλ    over λ ∈ Λ,  subject to  Gλ = e,     gap(λ, α) = Fλ − d − Gᵀα
@@ -73,8 +73,8 @@ pub const SAFE_STEP: f64 = 1.9;
 /// Relative violation of the optimality conditions at which a solver stops, unless it is told otherwise.
 pub const TOLERANCE: f64 = 1e-8;
 
-/// An algorithm for the dual contact problem. Whoever writes one hands it to a model by
-/// [`Model::solve_by`](crate::model::Model::solve_by), where its forces are judged as those of all others.
+/// An algorithm for the dual contact problem. A model takes one from outside by
+/// [`Model::solve_by`](crate::model::Model::solve_by), and judges its forces as those of all others.
 pub trait ContactSolver: Sync {
     /// Its name in reports and case files.
     fn name(&self) -> &str;
@@ -122,7 +122,7 @@ pub(crate) trait FixedBounds: Clone + Sync {
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError>;
 
-    /// Solves where bounds follow from normal forces: as often as they change.
+    /// Solves where bounds follow from normal forces: repeatedly, until the bounds no longer change.
     fn run_coulomb(
         &self,
         setup: &Setup<'_>,
@@ -212,7 +212,7 @@ mod tests {
         DualProblem::new(compliance, shift.to_vec(), admissible, balance).unwrap()
     }
 
-    /// A definite matrix in which all contacts feel each other, and none as much as another.
+    /// A definite matrix in which all contacts are coupled, each pair differently.
     pub(crate) fn definite(m: usize) -> Mat<f64> {
         let own = |i: usize| 0.2 + 0.1 * (1.0 + i as f64).sin();
         Mat::from_fn(m, m, |i, j| {
@@ -257,7 +257,7 @@ mod tests {
             .fold(0.0, |s: f64, (a, b)| s.max((a - b).abs()))
     }
 
-    /// x with Ax = b by elimination with exchange of rows; `None` where a pivot is nothing.
+    /// x with Ax = b by elimination with exchange of rows; `None` where a pivot is zero.
     pub(crate) fn eliminated(a: &Mat<f64>, b: &[f64]) -> Option<Vec<f64>> {
         let n = b.len();
         let mut rows: Vec<Vec<f64>> = (0..n)
@@ -279,8 +279,8 @@ mod tests {
         Some((0..n).map(|i| rows[i][n] / rows[i][i]).collect())
     }
 
-    /// λ and α of contacts that press only, by trial of every choice of those that are closed: the one whose forces press
-    /// and whose gaps are open is the answer.
+    /// λ and α of unilateral contacts, by trial of every choice of closed ones: the choice with forces ≥ 0 and gaps ≥ 0 is the
+    /// answer.
     pub(crate) fn by_trial(
         f: &Mat<f64>,
         shift: &[f64],
@@ -316,8 +316,8 @@ mod tests {
         panic!("no choice of closed contacts is an answer");
     }
 
-    /// λ of contacts that press only and of what bears up to a bound both ways, by trial of every choice of states. Of an interval
-    /// λ is at an end where its gap goes on against it.
+    /// λ of unilateral contacts and intervals, by trial of every choice of states. In an interval λ is at an end where its gap
+    /// moves against it.
     fn by_trial_of_states(f: &Mat<f64>, shift: &[f64], blocks: &[Block]) -> Vec<f64> {
         let m = shift.len();
         for choice in 0..3usize.pow(m as u32) {
@@ -409,7 +409,7 @@ mod tests {
                     assert!(apart(lambda, &expected) < 1e-6, "{told}");
                     let certificate = problem.certify(&found.multipliers, 1e-6);
                     assert!(certificate.holds(), "{told} {certificate}");
-                    // and it notices what is beyond an end, or short of one
+                    // and it notices a force beyond an end, or short of it
                     let mut wrong = found.multipliers.clone();
                     wrong.lambda[0] = if lambda[0] >= 0.4 - 1e-9 { 0.3 } else { 0.41 };
                     assert!(!problem.certify(&wrong, 1e-6).holds(), "{told}");

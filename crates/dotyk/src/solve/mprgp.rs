@@ -12,7 +12,7 @@
 //! Friction with given bounds adds upper bounds: |λₜ| ≤ bound is −bound ≤ λₜ ≤ bound. Only in the plane: discs are not boxes.
 //!
 //! φ is the gradient on the free unknowns, β its part that releases active ones, φ̃ᵢ = min((xᵢ − lᵢ)/ᾱ, φᵢ). The rate
-//! depends on spectral bounds only, and nothing is asked of the user: ᾱ = 1.9/ϱ, ϱ = 1.1L, M = 100L halved when the
+//! depends on spectral bounds only, and all parameters are automatic: ᾱ = 1.9/ϱ, ϱ = 1.1L, M = 100L halved when the
 //! Lagrangian does not grow, η = 0.1, L from Lanczos. Where the contact is a small part of the nodes, ϱQ is weak on its
 //! face and the outer steps crawl: then ϱ is raised. The gradient is carried across outer steps at no product. The last
 //! step balances the loaded forces exactly and judges a fresh gap. For a punch over 17 of 100 nodes these two take 55
@@ -39,7 +39,7 @@ const SLOW_STEPS: usize = 3;
 /// Factor by which the penalty is raised.
 const GROWTH: f64 = 4.0;
 
-/// A load below this part of the forces is compared with that part of them: what balances itself rounds like the forces.
+/// Least scale of the load as a part of the forces: self-balanced loads round like the forces.
 const SMALL_LOAD: f64 = 1e-3;
 
 /// MPRGP for the bounds, SMALBE-M for the balance.
@@ -100,7 +100,7 @@ impl Iteration for State<'_> {
         self.at.at(self.setup, self.kind)
     }
 
-    /// An outer step, which is no iteration, or an inner one.
+    /// An outer step, which does not count as an iteration, or an inner one.
     fn advance(&mut self, _gap: &[f64]) -> usize {
         let settled = self.settled();
         match settled {
@@ -110,7 +110,7 @@ impl Iteration for State<'_> {
         usize::from(!settled)
     }
 
-    /// The residual of balanced forces with a fresh product; each one that does not pass asks for a better estimate.
+    /// The residual of balanced forces with a fresh product; each failure lowers the estimate at which the next one is computed.
     fn verdict(&mut self, estimate: f64, judge: &mut Judge, last: bool) -> Option<f64> {
         if estimate > self.ask && !last {
             return None;
@@ -132,11 +132,11 @@ struct State<'a> {
     setup: &'a Setup<'a>,
     projector: Projector<'a>,
     tolerance: f64,
-    /// The estimate of the residual that asks for a verdict.
+    /// The estimate of the residual below which a verdict is computed.
     ask: f64,
     /// Ĝᵀê.
     offset: Vec<f64>,
-    /// Bounds of the forces, and those of x; infinite where there is none.
+    /// Bounds of the forces, and those of x; infinite where unbounded.
     bounds: Vec<Range<f64>>,
     floor: Vec<f64>,
     ceiling: Vec<f64>,
@@ -351,7 +351,7 @@ impl<'a> State<'a> {
         }
     }
 
-    /// The inner problem is solved well enough for the imbalance that is left.
+    /// The inner problem is solved well enough for the remaining imbalance.
     fn settled(&self) -> bool {
         let projected = (dot(&self.free, &self.free) + dot(&self.chopped, &self.chopped)).sqrt();
         let imbalance = norm(&self.modes_x);
@@ -439,7 +439,7 @@ impl<'a> State<'a> {
         self.direction.copy_from_slice(&self.free);
     }
 
-    /// vᵀ(PFP + ϱQ)v of the operand v, and the step along it to the least energy, where there is one.
+    /// vᵀ(PFP + ϱQ)v of the operand v, and the step along it to the least energy, if a minimum exists.
     fn exact_step(&mut self) -> (f64, Option<f64>) {
         self.multiply();
         let curvature = dot(&self.operand, &self.image);
@@ -511,7 +511,7 @@ fn check_tangents(setup: &Setup<'_>) -> Result<(), SolveError> {
     }
 }
 
-/// Adds to the `loaded` forces what of least norm balances all of them; `false` where they cannot.
+/// Adds the change of least norm to the `loaded` forces that balances all of them; `false` if they cannot balance.
 fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
     let list: Vec<usize> = (0..forces.len()).filter(|&i| loaded[i]).collect();
     let rows = setup.balance.rows().iter();
@@ -520,7 +520,7 @@ fn restore(setup: &Setup<'_>, loaded: &[bool], forces: &mut [f64]) -> bool {
     let rows = setup.balance.orthonormal_rows(rows.collect());
     let mut null = Null::new(&rows, &[]);
     let mut rest = vec![0.0; rows.len()];
-    // the second pass removes what rounding left
+    // the second pass removes rounding
     for _ in 0..2 {
         setup.balance.imbalance(forces, &mut rest);
         rest.iter_mut().for_each(|rest| *rest = -*rest);
@@ -879,7 +879,7 @@ mod tests {
         let own = [g(6) - g(4), g(1) - g(6), g(4) - g(1)];
         let along = change[1] * own[0] + change[4] * own[1] + change[6] * own[2];
         assert!(along.abs() < 1e-14);
-        // one force does not do for two motions
+        // one force cannot balance two motions
         let one: Vec<bool> = (0..8).map(|i| i == 4).collect();
         assert!(!restore(&setup, &one, &mut before.clone()));
     }

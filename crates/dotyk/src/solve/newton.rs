@@ -1,18 +1,18 @@
-//! Newton's method on what contact nodes do: few linear problems, exact answers, and a way out of every circle.
+//! Newton's method on the states of contact nodes: few linear problems, exact answers, and a way out of every circle.
 //!
-//! Each node is open, sticks or slips. Who knows the states of all nodes has the forces by one linear solve, and the forces
-//! tell the states. *Exact steps* (`exact.rs`) go round this loop until the states repeat: from a good start they end after
-//! a few, with an answer that is exact. Two things can go wrong, and each has its answer:
+//! Each node is open, sticks or slips. The states of all nodes give the forces by one linear solve, and the forces give the next
+//! states. *Exact steps* (`exact.rs`) repeat this until the states no longer change: from a good start they end after a few,
+//! with an exact answer. Two things can go wrong, and each has a remedy:
 //!
 //! * The start is far, so that the edge of a contact moves by a few nodes in each step and the steps grow with the mesh.
 //!   Where there are many contacts, a problem with fewer of them is solved first, in which neighbours act as one
 //!   (`levels.rs`). Its answer is right to a node.
-//! * The states come back in a circle. *Interior points* (`interior.rs`) guess none; near the answer, and where F is not assembled,
-//!   *proximal steps* (`proximal.rs`) come first: a problem whose bounds of friction are given is the minimum of a convex energy,
-//!   which they lower each time, so that no state can come back. Where bounds follow from normal forces, as with Coulomb's law,
-//!   nothing is minimised: what is done there stands in `slip.rs`.
+//! * The states run in a circle. *Interior points* (`interior.rs`) guess no states; near the answer, and where F is not assembled,
+//! *proximal steps* (`proximal.rs`) come first: with given bounds of friction the solution is the minimum of a convex energy,
+//! which they lower each time, so that no state can come back. Where bounds follow from normal forces, as with Coulomb's law,
+//! there is no such energy: `slip.rs` treats those.
 //!
-//! Steps that led nowhere are taken back: a bad guess is worse than none.
+//! Steps that led nowhere are taken back: a bad guess is worse than no guess.
 //!
 //! As described in Hintermüller, Ito & Kunisch (2003) for the exact steps; Rockafellar (1976) for the proximal point and
 //! augmented Lagrangian methods, and the semismooth Newton methods on them since.
@@ -31,15 +31,15 @@ const ONE: Patience = Patience::new(1, 1.0);
 /// Steps from all contacts closed where there is no coarser problem.
 const PLAIN: Patience = Patience::new(7, f64::INFINITY);
 
-/// The same where interior points can follow. Steps that end change fewer states each time or bring the residual down, once the
-/// first have told most states: at once on a coarser problem, whose answer is a guess.
+/// The same where interior points can follow. Steps that converge change fewer states each time or reduce the residual, once the
+/// first ones have found most states: from the first step on a coarser problem, whose answer is only a guess.
 const SETTLING: Patience = PLAIN.settling(5);
 const ROUGH: Patience = PLAIN.settling(3);
 
 /// Steps from a coarser problem, whose states are right but for a node.
 const BESIDE: Patience = NEAR.settling(2);
 
-/// With fewer blocks than this no coarser problem is asked for.
+/// With fewer blocks than this no coarser problem is solved.
 const SMALL: usize = 96;
 
 /// Newton's method.
@@ -86,7 +86,7 @@ impl FixedBounds for Newton {
     }
 }
 
-/// What follows where exact steps do not end, with its name: the states that come next go in, where it ends comes out.
+/// A stage that follows where exact steps do not end, with its name: from the next states to its end.
 type Rescue = (
     &'static str,
     fn(&mut Search<'_>, Vec<State>, Observer<'_>) -> Ended,
@@ -95,7 +95,7 @@ type Rescue = (
 const INSIDE: Rescue = (INTERIOR, interior);
 const FALLING: Rescue = ("energies that fall", descend);
 
-/// How long steps from all contacts closed go on, and what follows where they do not end.
+/// How long steps from all contacts closed go on, and the rescues where they do not end.
 type Course<'a> = (&'a Patience, &'a [Rescue]);
 
 /// Rescues in their order.
@@ -130,7 +130,7 @@ impl Newton {
     }
 }
 
-/// Exact steps from a start that is thought to be near, then one rescue after the other from the same start.
+/// Exact steps from a presumably near start, then one rescue after the other from the same start.
 fn from_near(
     search: &mut Search<'_>,
     states: Vec<State>,
@@ -164,7 +164,7 @@ fn rescued(
 
 /// Exact steps from all contacts closed; then, where there are many, from a coarser problem.
 ///
-/// Where interior points can follow, a coarser problem that exact steps do not solve is given up: interior points take fewer steps
+/// Where interior points can follow, a coarser problem that exact steps do not solve is abandoned: interior points take fewer steps
 /// than a rescue on each of the levels.
 fn from_anywhere(
     method: &Newton,
@@ -207,7 +207,7 @@ fn from_anywhere(
     }
 }
 
-/// One rescue after the other, each without any force.
+/// One rescue after the other, each from zero forces.
 fn from_nothing(
     search: &mut Search<'_>,
     states: Vec<State>,
@@ -258,7 +258,7 @@ mod tests {
         let (outcome, dense) = kinds(&problem, None);
         assert!(dense.contains('i') && !dense.contains('p'), "{dense}");
         assert_eq!(outcome.tried, [EXACT_STEPS, INTERIOR]);
-        // where F is applied proximal steps do
+        // where F is applied proximal steps answer
         let Compliance::Dense(f) = &problem.compliance else {
             panic!("F is assembled");
         };
@@ -304,7 +304,7 @@ mod tests {
         };
         assert_eq!(solve(&chain(SMALL - 1)), 0);
         assert!(solve(&chain(SMALL)) > 0);
-        // nor do they pass what is allowed
+        // nor do they exceed the allowed number
         for most in 1..=12 {
             let few = Newton::default().within(1e-8, most);
             let made = match few.solve(&chain(200), None, &mut silent) {

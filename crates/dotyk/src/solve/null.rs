@@ -1,4 +1,4 @@
-//! The balance on some unknowns alone: its null space, and what of least norm restores it.
+//! The balance on some unknowns alone: its null space, and the change of least norm that restores it.
 
 use crate::linalg::dense::{cholesky_in_place, product, solve_cholesky_in_place, symmetric_eigen};
 use crate::linalg::{Mat, SparseVector};
@@ -10,7 +10,7 @@ const RANK: f64 = 1e-12;
 /// Matrices from this size on are first tried as definite ones: their eigenvalues take 30 times as long as a factor.
 const LARGE: usize = 96;
 
-/// A definite matrix remains one when this part of its norm is taken from the diagonal.
+/// A definite matrix stays definite when this part of its norm is subtracted from the diagonal.
 const DEFINITE: f64 = 1e-11;
 
 /// Pseudo-inverse of a symmetric positive semidefinite matrix.
@@ -176,7 +176,7 @@ impl Null {
         }
     }
 
-    /// α̂ of least norm whose pull on the unknowns is nearest to minus what is `open` of their conditions.
+    /// α̂ of least norm whose pull on the unknowns is nearest to minus the residuals `open` of their conditions.
     pub fn amplitudes(&mut self, rows: &[SparseVector], open: &[f64]) -> Vec<f64> {
         for (part, row) in self.parts.iter_mut().zip(rows) {
             *part = -row.dot(open);
@@ -234,7 +234,7 @@ mod tests {
         assert_eq!(pseudo.null.len(), 1);
         assert!(dot(&pseudo.null[0], &v).abs() < 1e-14 && dot(&pseudo.null[0], &w).abs() < 1e-14);
         assert!((norm(&pseudo.null[0]) - 1.0).abs() < 1e-14);
-        // A(v/9) = v, A(w/36) = w; the third direction has no part
+        // A(v/9) = v, A(w/36) = w; the third direction vanishes
         let x = solved(&pseudo, &[3.0 + 2.0, 3.0 - 2.0, 1.0]);
         let expected: Vec<f64> = (0..3)
             .map(|i| {
@@ -275,7 +275,7 @@ mod tests {
         for i in 0..k {
             assert!((x[i] - (right[i] - part * z[i]) / 3.0).abs() < 1e-13, "{i}");
         }
-        // one that is not known, beside it
+        // a null vector that is not known, beside it
         assert_eq!(Pseudo::new(&a, &[]).null.len(), 1);
         assert!(!factored(&Pseudo::new(&a, &[])));
     }
@@ -329,7 +329,7 @@ mod tests {
         let found = values(&v);
         assert!((found[0] - 2.0).abs() < 1e-14 && (found[1] + 0.5).abs() < 1e-14);
         assert!(free.iter().all(|w| dot(w, &moved(&v)).abs() < 1e-14));
-        // what is left of the conditions beside the pull is across every row
+        // the residual beside the pull is orthogonal to every row
         let alpha = null.amplitudes(&rows, &start);
         let mut left = start;
         rows.iter()

@@ -1,9 +1,9 @@
-//! What a solver tells while it runs and returns when it ends.
+//! Reports of a solver while it runs, and its outcome.
 
 use crate::dual::{Block, DualError, Multipliers};
 use std::ops::ControlFlow;
 
-/// What an observer sees once per iteration.
+/// One iteration as an observer sees it.
 #[derive(Debug, Clone, Copy)]
 pub struct Iterate<'a> {
     /// From 1.
@@ -23,7 +23,7 @@ pub struct Iterate<'a> {
 /// Called once per iteration. `Break`: the caller is satisfied, the iterate is returned as it is.
 pub type Observer<'a> = &'a mut dyn FnMut(&Iterate<'_>) -> ControlFlow<()>;
 
-/// An answer and what it took, made by [`Outcome::new`].
+/// An answer and its cost, made by [`Outcome::new`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
     /// λ and α.
@@ -36,11 +36,11 @@ pub struct Outcome {
     pub rho: Option<f64>,
     /// Bolts in the order in which they were used (p,A-algorithm only).
     pub bolts: Vec<Bolt>,
-    /// One linear solve on the problem itself made the forces from what every contact does.
+    /// The forces come from one linear solve on the problem itself with the states of all contacts.
     pub(crate) exact: bool,
     /// The observer stopped it: the answer need not pass the certificate.
     pub stopped_by_observer: bool,
-    /// How bounds that follow from normal forces were reached, where by a fixed point of problems with given ones.
+    /// The fixed point of problems with given bounds, where bounds that follow from normal forces were reached by one.
     pub fixed_point: Option<FixedPoint>,
     /// What the user should know, in words.
     pub remarks: Vec<String>,
@@ -54,12 +54,12 @@ pub struct FixedPoint {
     /// Problems with given bounds that were solved.
     pub iterations: usize,
     /// Estimated factor by which each of them reduces the error of the bounds; below 1 the map contracts here, which
-    /// speaks for a unique solution. `None`: the bounds settled before it could be told.
+    /// speaks for a unique solution. `None`: the bounds settled before it could be estimated.
     pub contraction: Option<f64>,
 }
 
 impl Outcome {
-    /// The answer of a solver after some iterations; what else there is to tell stands in the public fields.
+    /// The answer of a solver after some iterations; the public fields take all else.
     pub fn new(multipliers: Multipliers, iterations: usize) -> Self {
         Self {
             multipliers,
@@ -115,7 +115,7 @@ pub enum SolveError {
         outcome: Box<Outcome>,
         /// Its residual.
         residual: f64,
-        /// What happened and what to do.
+        /// Cause and advice.
         reason: String,
     },
     /// No admissible contact force balances the load.
@@ -126,7 +126,7 @@ pub enum SolveError {
         /// Largest part of the load along that motion which friction can hold; `None`: no friction could hold it.
         factor: Option<f64>,
     },
-    /// Some contact forces balance the load, but none that the compliance of the bodies gives: friction is exhausted before.
+    /// Some contact forces balance the load, but not those that follow from the compliance of the bodies: friction is exhausted before.
     #[error(
         "friction does not bear the load along the rigid motion {direction:?}, but {factor} of it"
     )]
@@ -145,7 +145,7 @@ pub enum SolveError {
         block: usize,
         /// The block.
         found: Block,
-        /// Why, and what to use instead.
+        /// The reason, and a solver to use instead.
         reason: &'static str,
     },
     /// The named bolts do not hold the floating bodies.

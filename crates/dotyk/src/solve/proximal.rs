@@ -15,7 +15,7 @@ use crate::solve::states::{Anchor, State};
 use crate::solve::system::System;
 use crate::solve::{Observer, dot, norm};
 
-/// First compliance, relative to what a contact gives way between its neighbours, and by how much it falls from centre to
+/// First compliance, relative to that of a contact between its neighbours, and the factor by which it falls from centre to
 /// centre.
 const FIRST: f64 = 0.3;
 const FALL: f64 = 1e-2;
@@ -26,10 +26,10 @@ const LEAST: f64 = 1e-10;
 /// Centres without a residual of half the size that end the search.
 const PATIENCE: usize = 4;
 
-/// Balance that is missing below this part of the forces is rounding.
+/// An imbalance below this part of the forces is rounding.
 const BALANCED: f64 = 1e-11;
 
-/// By this factor iterations within a step become more accurate where rough ones led nowhere.
+/// Factor of the accuracy of iterations within a step where rough ones led nowhere.
 const FINER: f64 = 1e-3;
 
 /// First try of how far a body moves until contacts bear its load, in the length of the problem: doubled until it does.
@@ -42,12 +42,11 @@ const SHORT_ENOUGH: f64 = 1e-15;
 /// A slope below this part of the first one ends a search along a line.
 const FLAT: f64 = 1e-10;
 
-/// A slope below this part of the steepest one of this centre leaves nothing to gain, and neither does one that is rounding
-/// of its terms.
+/// φ is minimal where the slope is below this part of the steepest one of this centre, or is rounding of its terms.
 const GAINED: f64 = 1e-9;
 const ROUNDING: f64 = 1e-14;
 
-/// A step by a smaller part of the way stands still.
+/// A step by a smaller part of the way counts as a standstill.
 const STANDING: f64 = 1e-9;
 
 /// Proximal steps from `states`, each ended by an exact one; φ falls in every step.
@@ -87,8 +86,8 @@ pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Obse
         centre = proximal.forces();
         at = proximal.at;
         let alpha = at.alpha.clone();
-        // the exact forces of these states, where they are the answer; else a good place to go on from: there the closed
-        // contacts have no gap
+        // the exact forces of these states may be the answer; else they are a good point to go on from: there the closed
+        // // contacts have no gap
         if search.exact_step(&states) {
             if search.tell(observe) {
                 return Ended::Stopped;
@@ -112,7 +111,7 @@ pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Obse
     }
 }
 
-/// Judges where a proximal problem is; its forces cause its displacements at its minimum.
+/// Judges the present point of a proximal problem; its forces cause its displacements at its minimum.
 fn show(search: &mut Search<'_>, proximal: &Proximal<'_>) {
     search.point = Forces {
         lambda: proximal.forces(),
@@ -121,7 +120,7 @@ fn show(search: &mut Search<'_>, proximal: &Proximal<'_>) {
     search.judge();
 }
 
-/// The problem around one centre, and where its minimisation is.
+/// The problem around one centre, and the present point of its minimisation.
 pub(crate) struct Proximal<'a> {
     setup: &'a Setup<'a>,
     /// λ_c, (m,).
@@ -136,7 +135,7 @@ pub(crate) struct Proximal<'a> {
     steepest: f64,
 }
 
-/// What a Newton step did.
+/// Result of a Newton step.
 pub(crate) enum Progress {
     /// φ fell.
     Moved,
@@ -206,7 +205,7 @@ impl<'a> Proximal<'a> {
     pub fn step(&mut self, guessed: Option<Vec<State>>, accuracy: f64) -> Progress {
         let setup = self.setup;
         let mut states = guessed.unwrap_or_else(|| self.states());
-        // loads that no contact takes up move their bodies until one does
+        // loads that no contact bears move their bodies until one does
         for _ in 0..setup.modes() + 3 {
             let loose = self.system(&states).loose;
             if loose.is_empty() || !self.approach(&loose) {
@@ -219,7 +218,7 @@ impl<'a> Proximal<'a> {
         let Some(mut target) = solved else {
             return Progress::Singular;
         };
-        // where nothing holds a body it stays
+        // a body that no contact holds stays in place
         for z in &system.loose {
             let part = dot(z, &self.at.alpha);
             target
@@ -261,7 +260,7 @@ impl<'a> Proximal<'a> {
         setup.balance.add_transposed(-1.0, &direction, &mut change);
         let along = dot(&direction, setup.balance.target());
         let mut workspace = Workspace::new(setup.len());
-        // the slope is minus the part of the load that is not taken up
+        // the slope is minus the part of the load that is not borne
         let mut slope = |t: f64, this: &Self| -along - workspace.work(this, t, &change);
         let or_one = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
         let mut far = NUDGE * or_one(setup.problem.scales.length) / norm(&direction);
@@ -446,7 +445,7 @@ mod tests {
         close(found(1.0, &|t| (t - 0.2).max(1e6 * (t - 0.2))), 0.2, 120);
         // no zero between: halved until nothing is left
         close(found(1.0, &|t| if t < 0.7 { -1.0 } else { 1e9 }), 0.7, 202);
-        // still falling at the end, or not told
+        // still falling at the end, or NaN
         assert_eq!(found(2.0, &|t| t - 3.0), (2.0, 2));
         assert_eq!(
             found(2.0, &|t| if t > 1.0 { f64::NAN } else { -1.0 }),

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! The map λ ↦ λ̂ is one iteration of Uzawa's method, here that of `gradient.rs`: P projects onto Λ ∩ {Gλ = e}. Two pairs
-//! (λ, λ̂) tell where a secant through them meets λ̂ = λ. While the same contacts are closed the map is linear and ρ cancels:
-//! λₖ₊₁ = λₖ − β gapₖ with β = Δλ·Δgap/|Δgap|², the shorter step of Barzilai and Borwein, so that no ρ is to be chosen. Bolts
+//! (λ, λ̂) give the point where a secant through them meets λ̂ = λ. While the same contacts are closed the map is linear and ρ cancels:
+//! λₖ₊₁ = λₖ − β gapₖ with β = Δλ·Δgap/|Δgap|², the shorter step of Barzilai and Borwein, so that ρ need not be chosen. Bolts
 //! in place of the exact projection, as in the p,A-algorithm, double the iterations: 91 for 50 with 400 nodes below a punch
 //! that may sink, 198 for 99 with all of them closed.
 //!
@@ -16,7 +16,7 @@
 //!
 //! As described in Koliesnikova & Ramière (2026), arXiv 2603.12205, for Uzawa's iteration in contact problems; the secant as
 //! described in Ramière & Helfer (2015); the safeguard as described in Grippo, Lampariello & Lucidi (1986). The projection
-//! of what the secant gives and the safeguard are additions of ours.
+//! of the secant point and the safeguard are additions of ours.
 
 use crate::dual::Multipliers;
 use crate::solve::gradient::projected_bound;
@@ -24,13 +24,13 @@ use crate::solve::iteration::{FixedStep, Iteration, Projection, iterate};
 use crate::solve::setup::{Forces, Position, Setup};
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, dot};
 
-/// Energies that a secant step is compared with.
+/// Number of energies with which a secant step is compared.
 const MEMORY: usize = 10;
 
 /// Part of |δ|²/ρ by which a secant step must stay below them.
 const DECREASE: f64 = 1e-4;
 
-/// Part of its terms that is rounding of an energy.
+/// Rounding of an energy as a part of its terms.
 const ROUNDING: f64 = 1e-14;
 
 /// Uzawa's iteration with crossed-secant acceleration.
@@ -82,7 +82,7 @@ impl FixedBounds for Secant {
     }
 }
 
-/// Forces, and what Uzawa's iteration makes of them.
+/// Forces, and their image by Uzawa's iteration.
 #[derive(Clone)]
 struct Pair {
     at: Forces,
@@ -112,7 +112,7 @@ struct Steps<'a> {
 }
 
 impl Steps<'_> {
-    /// Finds the product of the present forces; their energy, and what of it is rounding.
+    /// Finds the product of the present forces; returns their energy and its rounding.
     fn energy(&mut self) -> (f64, f64) {
         let Forces {
             lambda, product, ..
@@ -129,7 +129,7 @@ impl Steps<'_> {
         largest - DECREASE * square / self.step.rho
     }
 
-    /// s; none for the first step, and where δ stands still.
+    /// s; zero for the first step, and where δ stands still.
     fn secant(&self) -> f64 {
         let (now, then) = (&self.now, &self.then);
         let changes = || now.step().zip(then.step()).map(|(now, then)| now - then);

@@ -1,4 +1,4 @@
-//! What every solver prepares, counts and is judged by.
+//! Preparation, counting and judgement that all solvers share.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -14,7 +14,7 @@ const NO_BOUND: f64 = 1e-13;
 /// Checked data, the balance in orthonormal modes, the kind of each force.
 pub(crate) struct Setup<'a> {
     pub problem: &'a DualProblem,
-    /// d, (m,): that of the problem, or what is left of it beside forces from which increments are sought.
+    /// d, (m,): that of the problem, or its remainder beside forces whose increments are sought.
     pub shift: Vec<f64>,
     /// Λ: that of the problem, or with other friction blocks in the same places.
     pub admissible: AdmissibleSet,
@@ -25,7 +25,7 @@ pub(crate) struct Setup<'a> {
 }
 
 impl<'a> Setup<'a> {
-    /// Checks the problem, refuses loads that nothing can carry.
+    /// Checks the problem, refuses loads that no force can carry.
     pub fn new(problem: &'a DualProblem) -> Result<Self, SolveError> {
         problem.check()?;
         let mut setup = Self::unchecked(problem);
@@ -91,7 +91,7 @@ impl<'a> Setup<'a> {
         or_one(self.problem.scales.length) / or_one(self.problem.scales.force)
     }
 
-    /// The largest of the forces λ (m,) and of the load: what forces are compared with.
+    /// The scale of forces: the largest of λ (m,) and of the load.
     pub fn largest_force(&self, lambda: &[f64]) -> f64 {
         largest(self.problem.scales.force, lambda)
     }
@@ -141,7 +141,7 @@ impl<'a> Setup<'a> {
         self.products.get()
     }
 
-    /// The outcome that forces make.
+    /// The outcome with these forces.
     pub fn outcome(&self, forces: &Forces) -> Outcome {
         Outcome {
             products: self.products(),
@@ -181,7 +181,7 @@ pub(crate) struct Forces {
 }
 
 impl Forces {
-    /// No force and no motion.
+    /// Zero forces and amplitudes.
     pub fn none(setup: &Setup<'_>) -> Self {
         Self {
             lambda: vec![0.0; setup.len()],
@@ -200,10 +200,10 @@ impl Forces {
     }
 }
 
-/// Where an iteration is.
+/// The present point of an iteration.
 pub(crate) struct Position<'a> {
     pub forces: &'a Forces,
-    /// What λ is held to, (m,).
+    /// Constraints on λ, (m,).
     pub components: &'a [Component],
     /// Kind of the step that led here, as in `Iterate::step`.
     pub step: char,

@@ -1,26 +1,26 @@
-//! Newton's method where bounds of friction follow from normal forces: exact steps, and six further stages where they find
+//! Newton's method where bounds of friction follow from normal forces: exact steps, and six further stages where these find
 //! no answer.
 //!
-//! Coulomb's law is such a law. It minimises nothing, so that no energy tells a good
-//! step from a bad one. Each stage covers what the one before it cannot do:
+//! Coulomb's law is such a law. Its solution is not the minimum of an energy, so that no energy distinguishes a good step from a
+//! bad one. Each stage covers cases that the one before it cannot solve:
 //!
-//! 1. [`exact`]: guess what every node does, solve, guess anew. Few steps where friction is moderate and the start is good.
-//! 2. [`interior`]: all nodes in the middle of what the law allows, and from there to its border together. No state is guessed.
+//! 1. [`exact`]: guess the state of every node, solve, guess anew. Few steps where friction is moderate and the start is good.
+//! 2. [`interior`]: forces of all nodes begin inside the cone of the law and approach its border together. No state is guessed.
 //! 3. [`alternate`]: the law of each node and the linear problem of the bodies by turns, with no guess of states at all, until
 //!    these settle. Some hundred cheap steps, however many bodies float.
-//! 4. [`rest`], where bodies float: exact steps move such a body to and fro while too few contacts hold it. With
+//! 4. [`rest`], where bodies float: exact steps move such a body back and forth while too few contacts hold it. With
 //!    bounds that are *given*, those of the best forces so far, the problem is convex and its solution moves the bodies to
-//!    where contacts hold them. Exact steps go on from there, and behind them, by turns again, [`alternate_rested`].
+//!    where contacts hold them. Exact steps go on from there, and after them [`alternate_rested`].
 //! 5. [`settle`]: proximal steps, on a problem to which compliance is added until Newton's iteration ends on it.
 //! 6. [`stiffen`]: springs that bear shears within their bounds, softer than the contacts at first: bodies go where normal
 //!    forces hold them before anything sticks.
-//! 7. [`iterate_bounds`]: the convex problem with given bounds, again and again, each with the bounds that follow from the
-//!    forces of the one before. A contraction for small coefficients.
+//! 7. [`iterate_bounds`]: the convex problem with given bounds, repeated with the bounds that follow from the forces of the
+//! one before. A contraction for small coefficients.
 //!
-//! An answer that is not one of exact steps is sharpened by some ([`sharpen`]).
+//! An answer that does not come from exact steps is sharpened by exact steps ([`sharpen`]).
 //!
-//! A crowd (`DualProblem::is_crowd`) has the first and the third alone, or the third where there are very many: the others
-//! wander among forces that bodies clamp each other with, or take dense matrices.
+//! A crowd (`DualProblem::is_crowd`) has the first and the third stage only, or just the third if F is known body by body: the
+//! others wander among forces with which bodies clamp each other, or need dense matrices.
 //!
 //! Stages 4, 5 and 7 begin from the forces of least residual so far: the last ones may have grown without bound.
 //!
@@ -44,14 +44,14 @@ use crate::solve::{FixedBounds, Observer, Outcome, SolveError, levels};
 /// Exact steps: their residuals may rise on the way.
 const EXACT: Patience = Patience::new(14, f64::INFINITY);
 
-/// Most steps in which states are guessed, or forces are taken one by one: those of which no answer is left after so many have none, and
-/// bounds that are given, which come behind them, take some hundred of their own.
+/// Most steps of the stages before the last one: if these have no answer after so many steps they find none later, and the last
+/// stage, given bounds, needs some hundred of its own.
 const SINGLE: usize = 200;
 
 /// Most steps on a coarser problem: no more than a guess is asked for.
 const COARSE: usize = 30;
 
-/// Accuracy of convex problems that look for where floating bodies rest.
+/// Accuracy of the convex problems that determine where floating bodies rest.
 const RESTING: f64 = 1e-4;
 
 /// One stage and its name: goes on from states, with what a method for given bounds can do.
@@ -63,8 +63,8 @@ type Stage<S> = (
 /// The last stage.
 const BOUNDS: &str = "bounds that are given";
 
-/// The stages of single forces: all but the last; of crowds those that do not wander, without guesses where bodies are known one
-/// by one, as there are too many then.
+/// All stages but the last. Crowds have only those that do not wander, and without exact steps where F is known body by body, as
+/// there are too many bodies then.
 fn stages<S: FixedBounds>(problem: &DualProblem) -> Vec<Stage<S>> {
     let exact: Stage<S> = (EXACT_STEPS, exact);
     let settle: Stage<S> = ("proximal steps", |_, search, states, observe| {
@@ -168,10 +168,10 @@ fn coarse<S: FixedBounds>(
     Ok(search.outcome(false))
 }
 
-/// Exact steps from an answer that other steps found, taken where they lead to one; whether they were stopped.
+/// Exact steps from an answer that other steps found, accepted if they lead to an answer; returns whether they were stopped.
 ///
-/// The tolerance is a part of the largest length of a problem, which may be a clearance that never closes: beside the motions of a
-/// contact that bears, what such steps leave of its gaps may be much. What exact steps leave is rounding.
+/// The tolerance is relative to the largest length of a problem, which may be a clearance that never closes: the gaps that other
+/// steps leave may be large beside the motions of a contact that bears. The gaps that exact steps leave are rounding.
 fn sharpen(search: &mut Search<'_>, observe: Observer<'_>) -> bool {
     let setup = search.setup;
     if search.kind == 'n' || setup.problem.is_crowd() {
@@ -212,7 +212,7 @@ fn rest<S: FixedBounds>(
     search.exact(states, &NEAR, &held(search.setup), observe)
 }
 
-/// The law and the bodies by turns from where floating bodies rest, where that is known.
+/// Alternating directions from where floating bodies rest, if that is known.
 fn alternate_rested(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) -> Ended {
     match search.rested.take() {
         Some(start) => alternate_from(search, start, states, observe),
@@ -220,8 +220,8 @@ fn alternate_rested(search: &mut Search<'_>, states: Vec<State>, observe: Observ
     }
 }
 
-/// Solves the convex problem whose bounds of friction are those of the best forces so far, or none where these cannot carry
-/// the load; the states that its answer asks for, `None` where it has none.
+/// Solves the convex problem with the bounds of friction of the best forces so far, or no problem where these cannot carry the
+/// load; returns the states of its answer, `None` without an answer.
 fn at_rest<S: FixedBounds>(
     method: &S,
     search: &mut Search<'_>,
@@ -239,7 +239,7 @@ fn at_rest<S: FixedBounds>(
     let mut after = counting_from(search.iterations(), observe);
     let outcome = match method.run(&setup.with_admissible(admissible), guess, &mut after) {
         Ok(outcome) => outcome,
-        // what is near may do
+        // a near answer may be enough
         Err(SolveError::NotConverged { outcome, .. }) => *outcome,
         Err(_) => return None,
     };
@@ -251,8 +251,7 @@ fn at_rest<S: FixedBounds>(
     Some(next)
 }
 
-/// Bounds of friction, and the convex problem of these bounds, again and again; where that does not converge, the best forces
-/// of all.
+/// Bounds of friction and the convex problem with these bounds, repeatedly; the best forces of all if that does not converge.
 fn iterate_bounds<S: FixedBounds>(
     method: &S,
     mut search: Search<'_>,
@@ -273,7 +272,7 @@ fn iterate_bounds<S: FixedBounds>(
     if let Err(SolveError::NotConverged {
         outcome, residual, ..
     }) = &mut result
-        // a problem whose first system is singular has nothing to show
+        // a problem whose first system is singular has no iterate
         && (search.residual < residual.min(NEARBY) || !residual.is_finite())
     {
         outcome.multipliers = setup.multipliers(&search.point.lambda, &search.point.alpha);
@@ -351,8 +350,7 @@ mod tests {
         needs(&[], EXACTLY, &frozen);
     }
 
-    /// Both nodes stick; the second one bears a hundred thousandth of the first, so that what the tolerance lets pass of its force is
-    /// a hundredth of it.
+    /// Both nodes stick; the second one bears a hundred thousandth of the first, so that the tolerance is a hundredth of its force.
     #[test]
     fn answer_within_the_tolerance_is_sharpened_to_rounding() {
         let exact = [1.0, 0.1, 1e-5, 0.0];
@@ -384,7 +382,7 @@ mod tests {
         assert!(!sharpen(&mut search, &mut silent));
         assert_eq!((search.kind, search.steps), ('n', 1));
         assert!(gap(&search) < 1e-15, "{}", gap(&search));
-        // an exact answer is one already
+        // an exact answer needs no sharpening
         assert!(!sharpen(&mut search, &mut silent));
         assert_eq!(search.steps, 1);
     }

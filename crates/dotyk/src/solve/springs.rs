@@ -1,18 +1,18 @@
-//! Friction that gives way before it holds: shears are borne by springs, within the bounds of the law, and the springs stiffen.
+//! Friction by springs that stiffen: they bear the shears within the bounds of the law.
 //!
 //! ```text
 //!   gapₜ + a λₜ = 0  where a node sticks, its bound where it slips;      gapₙ as it is;      a → 0
 //! ```
 //!
 //! Where a clearance closes together with a moment, or a body slips over most of its contact before it rests, no guess of
-//! states is near: what sticks first would jam. Soft springs let the bodies go where their normal forces hold them, and leave
-//! what the law says of every node that slips. Each stiffness begins from the states of the one before it, and exact steps end
-//! it. The first begins from the problem without friction, and without that part of the load which only friction bears: the
-//! work of the load on motions Gᵀz that no normal moves.
+//! states is near: the node that sticks first would jam. Soft springs let the bodies go where their normal forces hold them,
+//! and keep the law of every node that slips. Each stiffness begins from the states of the one before it, and exact steps end
+//! it. The first begins from the problem without friction, and without the part of the load that only friction bears: the
+//! work of the load on motions Gᵀz that move no normal.
 //!
-//! The springs change no bound. So a load that friction does not bear with the normal forces that the elasticity of the bodies
-//! gives has no answer for any stiffness either: [`limit`] finds the part of it that has one. Bodies that are pressed onto
-//! each other (a shaft in its hub, a pin in its hole) slide then, although larger normal forces would balance the load.
+//! The springs change no bound. If friction does not bear a load with the normal forces that follow from the elasticity of the
+//! bodies, there is no answer for any stiffness either, and [`limit`] finds the part of the load that has one. Bodies pressed
+//! onto each other (a shaft in its hub, a pin in its hole) slide then, although larger normal forces would balance the load.
 //!
 //! Alart & Curnier (1991) for the steps; the load is raised by bisection.
 
@@ -38,18 +38,17 @@ const EXACT: Patience = Patience::new(8, f64::INFINITY);
 /// Accuracy of the problem without friction, a start.
 const START: f64 = 1e-6;
 
-/// Compliances of the springs that tell which load friction bears.
+/// Compliances of the springs that determine which load friction bears.
 const TELLING: [f64; 3] = [FIRST, 1.0, 1e-2];
 
 /// Bisections of a load: three digits.
 const BISECTIONS: usize = 12;
 
-/// At the largest load that friction bears it is exhausted, but for this part; within the second one the load is known as well
-/// as bisections tell it.
+/// At the largest load that friction bears, it is exhausted but for this part; the second is the resolution of the bisections.
 const SPARE: f64 = 0.05;
 const EXHAUSTED: f64 = 0.003;
 
-/// Springs that stiffen, and exact steps where their states tell the answer.
+/// Springs that stiffen, and exact steps from their states.
 pub(crate) fn stiffen<S: FixedBounds>(
     method: &S,
     search: &mut Search<'_>,
@@ -82,11 +81,11 @@ pub(crate) fn stiffen<S: FixedBounds>(
     Ended::Stuck(states)
 }
 
-/// The motion, amplitudes (r,), on which friction does not bear the load of a problem, and the part of the load along it that it
-/// bears: where a part has an answer with springs and the whole none, and at the largest part friction is exhausted.
+/// The motion, amplitudes (r,), along which friction does not bear the load of a problem, and the part of the load along it that it
+/// bears: where a part of the load has an answer with springs, the whole has none, and friction is exhausted at the largest part.
 ///
-/// Soft springs are asked first. Near the limit they may bear a load that friction does not, as their normal forces are those of
-/// another slip, and stiffer ones tell.
+/// Soft springs are tried first. Near the limit they may bear a load that friction does not, because their normal forces belong to
+/// another slip; stiffer ones then decide.
 pub(crate) fn limit<S: FixedBounds>(method: &S, setup: &Setup<'_>) -> Option<(Vec<f64>, f64)> {
     let (_, most) = method.limits();
     let rest = Rest::of(method, setup, most, &mut |_| ControlFlow::Continue(()))?;
@@ -118,7 +117,7 @@ struct Limit {
     direction: Vec<f64>,
     /// The part of the load along it.
     held: f64,
-    /// The part of what friction can bear there that it does.
+    /// The part of the bounds of friction that is used there.
     exhausted: f64,
 }
 
@@ -135,7 +134,7 @@ fn limit_with<S: FixedBounds>(
         given
             .balance
             .set_load(load.map(|(e, held)| e - (1.0 - part) * held).collect());
-        // from the states of a smaller load, or, where these lead nowhere, from no shear at all
+        // from the states of a smaller load or, where these lead nowhere, without shear
         [from, &rest.states[..]].into_iter().find_map(|from| {
             let mut search = Search::new(method.limits(), &given);
             let silent: Observer<'_> = &mut |_| ControlFlow::Continue(());
@@ -176,7 +175,7 @@ fn limit_with<S: FixedBounds>(
     })
 }
 
-/// The part of what friction that resists a motion α̂ (k,) can bear that it does; none where nothing resists. Shapes: λ (m,).
+/// Used part of the bounds of friction that resists a motion α̂ (k,): Σ‖λₜ‖ over Σ bound; 0 if none resists. Shapes: λ (m,).
 fn exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> f64 {
     let mut motion = vec![0.0; setup.len()];
     setup.balance.add_transposed(1.0, along, &mut motion);
@@ -197,9 +196,9 @@ fn exhausted(setup: &Setup<'_>, lambda: &[f64], along: &[f64]) -> f64 {
     }
 }
 
-/// Where normal forces alone hold the bodies.
+/// Equilibrium by normal forces alone.
 struct Rest {
-    /// What each node does there; none slips.
+    /// States of the nodes there; no node slips.
     states: Vec<State>,
     /// Motions that no normal force resists, orthonormal amplitudes (k,).
     motions: Vec<Vec<f64>>,
@@ -209,7 +208,7 @@ struct Rest {
 }
 
 impl Rest {
-    /// `None` where normal forces alone do not carry the rest of the load, or are not found.
+    /// `None` where normal forces alone do not carry the rest of the load, or no solution is found.
     fn of<S: FixedBounds>(
         method: &S,
         setup: &Setup<'_>,

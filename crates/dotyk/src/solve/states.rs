@@ -1,4 +1,4 @@
-//! What contact nodes do: open, stick or slip; and what that leaves unknown of their forces.
+//! States of contact nodes (open, stick or slip), and the forces that these leave unknown.
 //!
 //! ```text
 //!   open:   λₙ = 0, λₜ = 0
@@ -14,10 +14,10 @@
 //! *Anchored* conditions ask for gap + a(λ − centre) = 0 in place of gap = 0: those of the problem with F + a, the proximal
 //! point step from `centre`. Its matrix is definite whatever F is.
 //!
-//! The unknowns are the forces that are left: λ = offset + Σ xₐ cₐ, where offset holds given · s, and the column cₐ of the
-//! normal force of a slipping node is (1, growth · s). Each is tested by its row wₐ (gap · wₐ + softness · xₐ = right side), which is cₐ but for that node,
-//! where only the normal gap counts: such a system is unsymmetric. With two tangents the force across s is an unknown, too,
-//! with the linearised law λ = β z across s, β = bound/|z| < 1.
+//! The unknowns xₐ are the remaining forces: λ = offset + Σ xₐ cₐ, where offset holds given · s, and the column cₐ of the
+//! normal force of a slipping node is (1, growth · s). Each has a condition with the row wₐ (gap · wₐ + softness · xₐ = right side).
+//! wₐ equals cₐ except for that normal force, where only the normal gap counts: such a system is unsymmetric. With two tangents the
+//! force across s is an unknown, too, with the linearised law λ = β z across s, β = bound/|z| < 1.
 //!
 //! As described in Alart & Curnier (1991) and Hüeber, Stadler & Wohlmuth (2008), here on the condensed dual problem.
 
@@ -29,7 +29,7 @@ use crate::solve::norm;
 /// A shear within this part of its bound is at it.
 const AT_BOUND: f64 = 1e-7;
 
-/// What the shear of a node does.
+/// State of the shear of a node.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Shear {
     /// No slip.
@@ -45,9 +45,9 @@ pub(crate) enum Shear {
 pub(crate) struct State {
     /// It bears a normal force.
     pub closed: bool,
-    /// What its shear does.
+    /// State of its shear.
     pub shear: Shear,
-    /// |z| − bound of the trial, a force: how much the node wants to slip.
+    /// |z| − bound of the trial, a force: the excess shear.
     pub excess: f64,
 }
 
@@ -66,7 +66,7 @@ impl State {
         }
     }
 
-    /// What forces of a block tell by themselves: a contact with a force is closed, and a shear at its bound slips.
+    /// The state from the forces of a block alone: a contact with a force is closed, and a shear at its bound slips.
     pub fn of_forces(block: &Block, forces: &[f64]) -> Self {
         let mut trial = forces.to_vec();
         let sheared = block.shear(&(0..trial.len()));
@@ -81,7 +81,7 @@ impl State {
         blocks.map(state).collect()
     }
 
-    /// What trial forces z of a block ask for.
+    /// The state from trial forces z of a block.
     pub fn of_trial(block: &Block, trial: &[f64]) -> Self {
         let closed = trial[0] > 0.0;
         let mut state = Self::sticking(block, closed);
@@ -103,7 +103,7 @@ impl State {
         state
     }
 
-    /// It slips in space, where the direction is a part of what is sought.
+    /// It slips in space, where the direction is unknown, too.
     pub fn may_turn(&self) -> bool {
         matches!(&self.shear, Shear::Slip { direction, .. } if direction.len() > 1)
     }
@@ -113,7 +113,7 @@ impl State {
         states.iter().map(Self::key).collect()
     }
 
-    /// The same state for the purpose of finding one again: directions of slip in space never come back exactly.
+    /// The state without the direction of slip, for comparison: directions in space never come back exactly.
     pub fn key(&self) -> (bool, u8) {
         let shear = match &self.shear {
             Shear::Stick => 0,
@@ -174,7 +174,7 @@ pub(crate) struct Anchor<'a> {
 }
 
 impl Anchor<'_> {
-    /// What forces and their gaps (m,) leave of the anchored conditions, gap + a(λ − centre), (m,).
+    /// Residuals of the anchored conditions, gap + a(λ − centre), (m,).
     pub fn left(&self, lambda: &[f64], gap: &[f64]) -> Vec<f64> {
         let apart = lambda.iter().zip(self.centre).map(|(force, c)| force - c);
         let pulls = apart.zip(self.compliance).map(|(apart, a)| a * apart);
@@ -185,7 +185,7 @@ impl Anchor<'_> {
     }
 }
 
-/// The forces that `states` leave unknown, and those that are known (m,).
+/// The unknown forces of `states`, and the known ones (m,).
 ///
 /// `own` (m,) is the compliance of the trial forces, for slip in space.
 pub(crate) fn unknowns(
@@ -479,7 +479,7 @@ mod tests {
         assert!((0.6 * a - 0.8 * b).abs() < 1e-15 && (a * a + b * b - 1.0).abs() < 1e-15);
         // c (1/β − 1) with β = 1/4
         assert!((across.softness - 9.0).abs() < 1e-14);
-        // a bound that is nothing beside its trial leaves a finite number
+        // a bound that is negligible beside its trial leaves a finite number
         let (list, _) = unknowns(&set, &states(1e-9), None, &own);
         assert_eq!(list[1].softness, 3e6);
         let (list, _) = unknowns(&set, &states(1e-5), None, &own);

@@ -1,17 +1,17 @@
-//! The linear problem that a guess of states leaves: unknown forces x and rigid amplitudes α̂ with
+//! The linear problem of a guess of states: unknown forces x and rigid amplitudes α̂ with
 //!
 //! ```text
 //!   wₐ·gap + softnessₐ xₐ = pullₐ,   gap = Fλ − d − Ĝᵀα̂,   Ĝλ = ê,   λ = offset + Σ xₐ cₐ
 //! ```
 //!
 //! Assembled F, symmetric (c = w): Cholesky of A = WᵀFW + softness and the Schur complement of the balance. Where A is
-//! semidefinite (grounded floating bodies, contacts that do the same) ϱĜᵀĜ is added, which changes nothing where Ĝλ = ê,
-//! and then a shift of rounding size; corrections with the true residual remove what that changes. Unsymmetric (slip with
-//! Coulomb's law): LU with pivoting. Unknowns are scaled to a unit diagonal by powers of two, which rounds nothing: stiff
-//! contacts beside soft ones must not drown.
+//! semidefinite (grounded floating bodies, redundant contacts) ϱĜᵀĜ is added, which changes nothing where Ĝλ = ê, and then a
+//! shift of rounding size; corrections with the true residual remove the effect of the shift. Unsymmetric (slip with
+//! Coulomb's law): LU with pivoting. Unknowns are scaled to a unit diagonal, so that stiff contacts are not lost beside soft
+//! ones, by powers of two, which rounds nothing.
 //!
-//! Sparse F: LU with pivoting of the whole without its zeros, and with the balance in the modes of the single bodies, which
-//! are sparser than orthonormal ones; the shift and the corrections are the same.
+//! Sparse F: sparse LU with pivoting of the bordered matrix, with the balance in the modes of the single bodies, which are
+//! sparser than orthonormal ones; the shift and the corrections are the same.
 //!
 //! Applied F: conjugate gradients in the null space of the balance for symmetric systems, restarted minimal residuals for
 //! unsymmetric ones, both preconditioned and warm started.
@@ -35,25 +35,25 @@ const DEPENDENT: f64 = 1e-13;
 /// Shift of a singular matrix, relative to its diagonal.
 const SHIFT: f64 = 1e-10;
 
-/// Parts of a loose direction below this one are rounding: it is orthonormal to some 1e-15, times what supports are conditioned
-/// by.
+/// Parts of a loose direction below this one are rounding: it is orthonormal to some 1e-15, times the condition number of the
+/// supports.
 pub(crate) const LOOSE: f64 = 1e-9;
 
-/// Part of a right side that the factor of a regular matrix leaves at most.
+/// Largest relative residual of a solve with the factor of a regular matrix.
 const SOLVED: f64 = 1e-6;
 
 /// Most corrections of a solution; a shifted matrix needs more of them than rounding.
 const CORRECTIONS: usize = 8;
 
-/// Iterations compare their residual with the right side, and at least with this part of that of the start: a right side that is
-/// nothing on balanced forces could not be met.
+/// Iterations compare their residual with the right side, and at least with this part of the residual of the start: a right side
+/// that vanishes on balanced forces could not be met.
 const FROM_START: f64 = 1e-3;
 
-/// Forces may be wrong by so many times what their gaps may be, relative to each of them: those that alternate from node to node
-/// do more than their gaps tell where long waves are soft.
+/// Relative error allowed to forces, as a multiple of the one allowed to gaps. Where long waves are soft, forces that alternate from
+/// node to node are larger than their gaps show.
 const ON_FORCES: f64 = 10.0;
 
-/// Gaps below this part of what is asked of them are rounding, whatever the forces.
+/// Gaps below this part of their tolerance are rounding, whatever the forces.
 const ROUNDING: f64 = 1e-3;
 
 /// When iterations within a step end.
@@ -72,8 +72,8 @@ impl Goal {
         }
     }
 
-    /// Whether gaps of this size are small enough, for what the preconditioner makes of them: forces that remove them, at least as
-    /// large as those that do.
+    /// Whether gaps of this size are small enough. `change` are the forces by which the preconditioner would remove them: at least as
+    /// large as the exact ones.
     fn is_met(&self, gap: f64, change: &[f64], forces: &[f64]) -> bool {
         let settled = norm(change) <= self.force * norm(forces);
         gap <= self.gap && (settled || gap <= ROUNDING * self.gap)
@@ -83,7 +83,7 @@ impl Goal {
 /// Most conjugate gradients of one linear problem.
 const CONJUGATE: usize = 500;
 
-/// Gaps are brought below this part of themselves where the forces ask for more.
+/// Gaps are reduced by this factor where the forces are not accurate enough.
 const FURTHER: f64 = 0.1;
 
 /// Vectors that minimal residuals keep, and how often they begin again.
@@ -106,7 +106,7 @@ pub(crate) struct System<'a> {
 }
 
 impl<'a> System<'a> {
-    /// The problem that `states` leave, with the conditions and the compliance `own` as in [`unknowns`].
+    /// The problem of `states`, with the conditions and the compliance `own` as in [`unknowns`].
     pub fn of(
         setup: &'a Setup<'a>,
         states: &[State],
@@ -218,7 +218,7 @@ impl<'a> System<'a> {
         }
     }
 
-    /// What is left of the conditions, (n,), and of the balance, (k,).
+    /// Residuals of the conditions, (n,), and of the balance, (k,).
     fn residual(&self, point: &Forces, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut gap = point.product.clone();
         let shift = &self.setup.shift;
@@ -236,7 +236,7 @@ impl<'a> System<'a> {
 }
 
 impl System<'_> {
-    /// Scale of the unknown `a` with the diagonal entry `own`, and not that alone: it is rounding where a body is grounded.
+    /// Scale of the unknown `a`, not from its diagonal entry `own` alone: that is rounding where a body is grounded.
     fn unit_of(&self, a: usize, own: f64) -> f64 {
         let unknown = &self.unknowns[a];
         let softness = &self.setup.problem.softness;
@@ -255,7 +255,7 @@ fn units_of_balance(forces: &[SparseVector], rows: &[SparseVector], scale: &[f64
     forces.iter().zip(rows).map(unit).collect()
 }
 
-/// What an unknown pushes, or what its condition weighs.
+/// The column of an unknown, or the row of its condition.
 type Side = fn(&Unknown) -> &[(usize, f64)];
 
 /// Rows over the forces as rows over the unknowns.
@@ -310,7 +310,7 @@ enum Kind {
     },
     /// LU of the whole, with the scale of every row of the balance.
     General { lu: Lu, balance: Vec<f64> },
-    /// The same without its zeros.
+    /// Sparse LU of the same.
     Sparse {
         lu: Box<SparseLu>,
         balance: Vec<f64>,
@@ -427,8 +427,8 @@ impl Factored {
         None
     }
 
-    /// LU of the bordered matrix without its zeros: of the coupling and the softness of the unknowns, and of the balance in
-    /// its own modes, which are sparser than orthonormal ones.
+    /// Sparse LU of the bordered matrix: the coupling and the softness of the unknowns, and the balance in its own modes, which
+    /// are sparser than orthonormal ones.
     fn sparse(system: &System<'_>, matrix: &SparseMatrix) -> Option<Self> {
         let mut whole = sparse_coupling(matrix, &system.unknowns);
         let n = system.unknowns.len();
@@ -476,7 +476,7 @@ impl Factored {
         None
     }
 
-    /// How large a residual is, in scaled units.
+    /// Size of a residual, in scaled units.
     fn size(&self, right: &[f64], rest: &[f64]) -> f64 {
         let scaled = right.iter().zip(&self.scale).map(|(r, s)| (r * s).powi(2));
         scaled.sum::<f64>().sqrt() + norm(rest)
@@ -543,7 +543,7 @@ impl Factored {
     }
 }
 
-/// Whether a factor of `a` solves a system with it to a few digits at least: those of a singular matrix do not.
+/// Whether a factor of `a` solves a system to a few digits at least: the factor of a singular matrix does not.
 fn solves(lu: &SparseLu, a: &SparseMatrix) -> bool {
     let n = a.rows();
     let right: Vec<f64> = (0..n).map(|i| 1.0 + (i as f64).sin()).collect();
@@ -753,8 +753,8 @@ impl System<'_> {
         Some(point)
     }
 
-    /// Adds to x what has no resultant and turns b − Ax from the residual given into a rigid motion, to within a goal, by
-    /// restarted minimal residuals, preconditioned from the right; the null spaces are those of the forces and of the rigid motions.
+    /// Adds a change without resultant to x such that the residual b − Ax becomes a rigid motion, to within a goal. Restarted minimal
+    /// residuals, preconditioned from the right; the null spaces are those of the forces and of the rigid motions.
     fn krylov(
         &mut self,
         preconditioner: &dyn LinearOperator,
@@ -901,7 +901,7 @@ mod tests {
         }
     }
 
-    /// Where `states` are what they say: λ and α by elimination of all conditions at once, one for each force.
+    /// λ and α of `states` by elimination of all conditions at once, one for each force.
     fn expected(
         states: &[State],
         law: Friction,
@@ -1046,7 +1046,7 @@ mod tests {
             // no more steps than there are free forces; a product for the start and one for the end beside them
             assert!(exact <= 10 && rough < exact, "{rough} {exact}");
             let preconditioned = products(&states, law, &inverse, 1e-13);
-            // slip turns conditions against forces: there the inverse of F is not that of the system
+            // with slip rows and columns differ: there the inverse of F is not that of the system
             let symmetric = matches!(law, Friction::Tresca { .. });
             assert!(preconditioned + usize::from(symmetric) <= exact, "{law:?}");
         }
@@ -1070,7 +1070,7 @@ mod tests {
         }
     }
 
-    /// Two contacts, the second of which gives way a little more than the first.
+    /// Two contacts, the second of which has a slightly larger compliance than the first.
     fn nearly_alike(more: f64) -> (bool, bool) {
         let f = Mat::from_fn(2, 2, |i, j| 1.0 + if i == 1 && j == 1 { more } else { 0.0 });
         let blocks = vec![Block::Unilateral; 2];
@@ -1085,7 +1085,7 @@ mod tests {
 
     #[test]
     fn singular_systems_of_every_kind_are_solved_and_not_unique() {
-        // two nodes whose directions do the same each, side by side
+        // two nodes, each direction redundant with that of the other
         let f = Mat::from_fn(4, 4, |i, j| f64::from(i % 2 == j % 2));
         let node = Friction::Coulomb { coefficient: 0.4 }.block(1);
         for sparse in [false, true] {
@@ -1117,7 +1117,7 @@ mod tests {
 
     #[test]
     fn compliance_of_grounded_bodies_may_be_semidefinite_where_the_balance_tells_the_rest() {
-        // F = vvᵀ is nothing across v; the modes are not
+        // F = vvᵀ vanishes across v; the modes do not
         let v = [1.0, -1.0, 0.5];
         let f = Mat::from_fn(3, 3, |i, j| v[i] * v[j]);
         let modes = [vec![1.0, 1.0, 1.0], vec![0.0, 1.0, -1.0]];

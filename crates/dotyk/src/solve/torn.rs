@@ -1,14 +1,14 @@
-//! Nodes of joints that no state of their own leaves in equilibrium.
+//! Nodes of joints that have no state of equilibrium.
 //!
 //! The bound of a cohesive law jumps where the node opens (`dual/law.rs`): a shear that the cohesion bears may lift the node off,
-//! while the open node, which bears none, is pressed on again. With all other nodes kept as they are,
+//! while the open node, which bears no shear, is pressed on again. With all other nodes kept as they are,
 //!
 //! ```text
 //!   open:   gapₙ < 0        stick:  λₙ ≤ 0 or ‖λₜ‖ > c + μλₙ        slip either way:  λₙ ≤ 0 or against the slip
 //! ```
 //!
-//! and no state asks for itself. What is left of such a node once it has parted is known: friction without cohesion, where it is
-//! pressed again.
+//! and no state reproduces itself. Once such a node has parted its law is known: friction without cohesion, where it is pressed
+//! again.
 
 use crate::dual::{DualProblem, Multipliers};
 use crate::solve::exact::Search;
@@ -16,8 +16,8 @@ use crate::solve::setup::Setup;
 use crate::solve::states::{Shear, State};
 use crate::solve::{FixedBounds, Newton, norm};
 
-/// The first component of a block with a bound that jumps and no state of its own, beside the states that forces ask of all
-/// others.
+/// The first component of a block with a bound that jumps and without a state of equilibrium, beside the states of all others that
+/// follow from the forces.
 pub(crate) fn torn(problem: &DualProblem, multipliers: &Multipliers) -> Option<usize> {
     if !problem.admissible.jumps() {
         return None;
@@ -32,7 +32,7 @@ pub(crate) fn torn(problem: &DualProblem, multipliers: &Multipliers) -> Option<u
     Some(setup.admissible.range(place).start)
 }
 
-/// Whether a block has a state that asks for itself where all others do what `states` say.
+/// Whether a block has a state that reproduces itself while all others have the given `states`.
 fn stands(search: &mut Search<'_>, states: &[State], place: usize) -> bool {
     let block = search.setup.admissible.blocks()[place];
     let sticks = |closed| State::sticking(&block, closed);
@@ -59,7 +59,7 @@ fn stands(search: &mut Search<'_>, states: &[State], place: usize) -> bool {
     length > 0.0 && either.any(|own| asks_for_itself(search, states, place, own))
 }
 
-/// Whether the forces of a state of one block ask for that state again.
+/// Whether the state of one block reproduces itself.
 fn asks_for_itself(search: &mut Search<'_>, states: &[State], place: usize, own: State) -> bool {
     let mut states = states.to_vec();
     states[place] = own;
@@ -77,7 +77,7 @@ mod tests {
     use crate::linalg::Mat;
     use crate::solve::tests::of;
 
-    /// A node whose shear and normal gap are coupled by `mixed`, asked for these overlaps, with the cohesion 1.
+    /// A node whose shear and normal gap are coupled by `mixed`, with these overlaps and the cohesion 1.
     fn joint(mixed: f64, shift: [f64; 2]) -> DualProblem {
         let law = Friction::Cohesive {
             cohesion: 1.0,
@@ -102,7 +102,7 @@ mod tests {
         assert_eq!(torn(0.6, [0.8, 2.0]), None);
         assert_eq!(torn(0.6, [0.5, 0.1]), None);
         assert_eq!(torn(0.6, [-0.1, 2.0]), None);
-        // dry friction always has one here
+        // with dry friction there is always such a state here
         let mut dry = joint(0.6, [0.1, 2.0]);
         dry.admissible =
             crate::dual::AdmissibleSet::new(vec![Friction::Coulomb { coefficient: 0.3 }.block(1)]);

@@ -1,7 +1,7 @@
 //! The p,A-algorithm: Uzawa's iteration with a fixed step, the floating bodies held by bolts.
 //!
-//! One bolt A per rigid mode. Its force is not held to λ_A ≥ 0; it is whatever the balance asks for, and the rigid shift
-//! is such that the gap at A closes:
+//! One bolt A per rigid mode. Its force is not constrained to λ_A ≥ 0 but follows from the balance, and the rigid shift closes
+//! the gap at A:
 //!
 //! ```text
 //!   STEP 1: gap = Fλ − d − Gᵀα with α such that gap_A = 0
@@ -34,10 +34,10 @@ use crate::solve::{
 /// How often an improper bolt is moved before the exact projection takes over.
 const MOVES: usize = 3;
 
-/// A bolt of whose column less than this part is left beside the bolts before holds nothing more: half the digits.
+/// A node holds no further mode if less than this part of its column is independent of the bolts before: half the digits.
 const HELD: f64 = 1e-8;
 
-/// Accuracy of the bilateral solution where F is applied: it only tells where contacts press hardest.
+/// Accuracy of the bilateral solution where F is applied: it only shows where contacts press hardest.
 const BILATERAL: f64 = 1e-3;
 
 /// The p,A-algorithm.
@@ -178,7 +178,7 @@ struct Steps<'a> {
     setup: &'a Setup<'a>,
     bolted: &'a Bolted,
     step: FixedStep,
-    /// What λ is held to: the bolts are free.
+    /// Constraints on λ: the bolts are free.
     components: Vec<Component>,
     /// The iterate and the one before.
     at: Forces,
@@ -210,7 +210,7 @@ impl<'a> Steps<'a> {
         steps
     }
 
-    /// The forces that are admissible and in balance: all others to their bounds, those of the bolts as the balance asks.
+    /// Admissible, balanced forces: those of the bolts follow from the balance, all others are projected.
     fn project(&mut self) {
         for (force, component) in self.at.lambda.iter_mut().zip(&self.components) {
             if *component == Component::Normal {
@@ -261,7 +261,7 @@ impl Iteration for Steps<'_> {
 
 /// Bolts that hold the k controlled modes.
 struct Bolted {
-    /// Contact unknowns, and which they are of all (m,).
+    /// Contact unknowns, and flags of them among all (m,).
     nodes: Vec<usize>,
     held: Vec<bool>,
     /// Rigid mode each was chosen for.
@@ -390,7 +390,7 @@ fn named_bolts(setup: &Setup<'_>, named: &[usize]) -> Result<Bolted, SolveError>
     choose(setup, &weights).ok_or_else(dependent)
 }
 
-/// Bolts where the solution with all contacts closed presses hardest; `None` where it presses nowhere.
+/// Bolts at the largest pressures of the solution with all contacts closed; `None` where it presses nowhere.
 fn bolts_of_bilateral_solution(setup: &Setup<'_>) -> Option<Bolted> {
     if setup.modes() == 0 {
         return Bolted::new(setup, Vec::new());
@@ -475,7 +475,7 @@ mod tests {
         let plain = |bolt: &Bolt| (bolt.index, bolt.force, bolt.moved);
         assert_eq!(plain(&bolts[0]), (4, lambda[4], false));
         assert_eq!(plain(&bolts[1]), (1, lambda[1], false));
-        // the first of modes that move it alike, then the other
+        // the first of two modes that move it alike, then the other
         assert_eq!((bolts[0].mode, bolts[1].mode), (0, 1));
         assert!(Bolted::new(&setup, vec![2, 2]).is_none());
     }
@@ -542,7 +542,7 @@ mod tests {
         // at ±1 a force counts √0.6, in the middle √0.2
         assert_eq!(first([1.0, 1.0, 1.7, 0.0, 0.0]), Some(vec![0, 2]));
         assert_eq!(first([1.0, 1.0, 1.8, 0.0, 0.0]), Some(vec![2, 0]));
-        // the same merit: the first one; what it leaves of the other end is less than of the middle
+        // the same merit: the first one; less of the other end's column remains than of the middle's
         assert_eq!(
             first([1.0, 0.0, 0.1, 0.0, 1.0]).map(|nodes| nodes[0]),
             Some(0)
