@@ -1,12 +1,12 @@
-//! The user's nouns and what becomes of them, in five rooms, each of which uses itself and those before it:
+//! The user's nouns, and how they are solved, in five rooms, each of which uses itself and those before it:
 //!
 //! | Room | What it holds |
 //! |---|---|
-//! | `nouns` | what a user writes, and what comes out |
-//! | `system` | bodies and pairs at a time as a dual problem, and from forces back to displacements |
-//! | `read` | what is read off displaced bodies and their forces |
-//! | `march` | step by step: the loop around solver and certificate, the judge, what a step leaves to the next one |
-//! | `ask` | what a model can be asked |
+//! | `nouns` | the user's input and the results |
+//! | `system` | the dual problem of bodies and pairs at a given time, and from forces back to displacements |
+//! | `read` | results read off displaced bodies and their forces |
+//! | `march` | step by step: the loop around solver and certificate, the judge, the state passed on to the next step |
+//! | `ask` | the entry points of a model |
 //!
 //! A [`Model`] is plain data: bodies with meshes, materials, supports and loads, contacts between their sides.
 //! [`Model::solve`] turns it into a [`Solution`]; nothing in between is visible or valid only after a second call.

@@ -118,7 +118,7 @@ pub(crate) fn alternate_from(
             Left::Stopped => return Ended::Stopped,
         };
         // before the last digits balanced forces are a better answer than admissible ones: the balance must hold to ten digits,
-        // // whatever the tolerance
+        // whatever the tolerance
         if search.residual > IMBALANCE_LIMIT {
             search.move_to(balanced, setup.balance.from_rows(amplitudes));
         }

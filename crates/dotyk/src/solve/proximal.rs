@@ -87,7 +87,7 @@ pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Obse
         at = proximal.at;
         let alpha = at.alpha.clone();
         // the exact forces of these states may be the answer; else they are a good point to go on from: there the closed
-        // // contacts have no gap
+        // contacts have no gap
         if search.exact_step(&states) {
             if search.tell(observe) {
                 return Ended::Stopped;

@@ -1,4 +1,4 @@
-//! `check`: what can be said of a model before anything is solved.
+//! `check`: a description of a model, with its errors and warnings, before it is solved.
 
 use crate::dual::{Feasibility, NO_WORK};
 use crate::fem::{
@@ -27,11 +27,11 @@ use crate::model::system::parts::Parts;
 use std::fmt;
 use std::ops::Range;
 
-/// A contact that does less work on a motion has no part in holding it: modes are scaled to a largest displacement of 1, and half
-/// the digits of their normals are good.
+/// A contact that does less work on a motion does not help to hold it: modes are scaled to a largest displacement of 1, and half
+/// the digits of the normals are accurate.
 const NO_PART: f64 = 1e-8;
 
-/// What was found about one body.
+/// Description of one body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BodyCheck<const D: usize> {
     /// Its name.
@@ -40,32 +40,32 @@ pub struct BodyCheck<const D: usize> {
     pub size: [usize; 2],
     /// Quality of the worst cell, in (0, 1].
     pub worst_quality: f64,
-    /// Resultant of its loads, with those at points of its couples; what is a rounding of loads that cancel is zero.
+    /// Resultant of its loads, those at points of its couples included; zero where loads cancel up to rounding.
     pub load: Point<D>,
     /// Number of held dofs.
     pub held: usize,
-    /// Rigid motions that the supports leave free, each with what holds it; in one text where nothing can.
+    /// Rigid motions that the supports leave free, each with the contacts that hold it; in one text where no contact can.
     pub floating: Vec<String>,
-    /// Its couples, each with what its point is held by and carries.
+    /// Its couples, each with the supports and loads of its point.
     pub couples: Vec<String>,
 }
 
-/// What was found about a model.
+/// Description of a model.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Check<const D: usize> {
     /// One per body.
     pub bodies: Vec<BodyCheck<D>>,
     /// One per contact.
     pub contacts: Vec<ContactCheck<D>>,
-    /// What makes a solution impossible.
+    /// Reasons why no solution is possible.
     pub errors: Vec<String>,
-    /// What the first error is about.
+    /// Subject of the first error.
     pub subject: Option<Subject>,
     /// What the user should know.
     pub warnings: Vec<String>,
 }
 
-/// What is found of a model that is `valid`, or why it is not.
+/// Describes a model, or reports why it is not `valid`.
 pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>>) -> Check<D> {
     let mut check = Check::default();
     if let Err(error) = valid.and_then(|()| fill(model, &mut check)) {
@@ -75,14 +75,14 @@ pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>
     check
 }
 
-/// Describes the model in each of its runs of load steps between which nothing comes or goes; of what is there in several,
-/// what is said of the last.
+/// Describes the model in each run of load steps between which no part comes or goes; parts that are there in several runs as in
+/// the last of these.
 fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Error<D>> {
     let mut before = 0;
     let mut warnings: Vec<Vec<String>> = Vec::new();
     for run in model.runs() {
         let mut of_run = Check::default();
-        // what was found before a mistake is told, too
+        // findings before a mistake are reported, too
         let filled = fill_run(&run, (model, before), &mut of_run);
         before += run.model.times.len();
         check
@@ -109,8 +109,8 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     Ok(())
 }
 
-/// Describes a run at its last load step, then looks at the loads of the steps before; `before` it are so many steps of the
-/// whole model.
+/// Describes a run at its last load step, then checks the loads of its other steps; `before` is the number of steps of the whole
+/// model that precede it.
 fn fill_run<const D: usize>(
     stage: &Stage<'_, D>,
     (whole, before): (&Model<D>, usize),
@@ -187,7 +187,7 @@ fn fill_run<const D: usize>(
     Ok(())
 }
 
-/// No system of any body, and nothing that is left of what holds it.
+/// No system and no history for any body.
 fn nothing<const D: usize>(model: &Model<D>) -> (Vec<Option<BodySystem<D>>>, Vec<History<D>>) {
     let nothing = model.bodies.iter().map(|_| (None, History::default()));
     nothing.unzip()
@@ -253,7 +253,7 @@ fn describe_floating<const D: usize>(
     }
 }
 
-/// A couple, and the arm of its rotations, with what its point is held by and carries.
+/// Describes a couple: the arm of its rotations, the supports and the loads of its point.
 fn check_couple<const D: usize>(
     model: &Model<D>,
     (couple, arm): (&Couple<D>, f64),
@@ -297,14 +297,14 @@ fn turns_from<const D: usize>() -> usize {
     if D == 2 { 2 } else { 0 }
 }
 
-/// What the point of a couple carries: its force, and its moments over the arm.
+/// The load of the point of a couple: its force, and its moments over the arm.
 fn carried<const D: usize>(system: &BodySystem<D>) -> [Point<D>; 2] {
     let loads = system.to_global(&system.load);
     [loads[0], loads[1]]
 }
 
-/// What the loads of a body sum up to: those on its nodes, and those at points of its couples, but for what bears a force all the
-/// same, such as prestress or the tension of a joint.
+/// The loads of a body: on its nodes and at points of its couples, without the forces of connections such as prestress or the
+/// tension of a joint.
 struct Loads<'a, const D: usize> {
     /// Forces by node, in the order of the nodes.
     nodes: Vec<Point<D>>,
@@ -343,8 +343,8 @@ impl<'a, const D: usize> Loads<'a, D> {
         })
     }
 
-    /// Their work on a rigid motion, the displacements of all nodes, which takes the points of couples along: Σ f·u + m·ω over
-    /// what is free. What is a rounding of the sum is zero.
+    /// Their work on a rigid motion (displacements of all nodes), which the points of couples follow: Σ f·u + m·ω over the free
+    /// components. Zero where it is rounding of the sum.
     fn work(&self, analysis: Analysis, mesh: &Mesh<D>, motion: &[Point<D>]) -> f64 {
         let basis = RigidBasis::of(analysis);
         let mut work: f64 = self
@@ -369,7 +369,7 @@ impl<'a, const D: usize> Loads<'a, D> {
     }
 }
 
-/// A figure that is a sum, with the sum of the sizes of its parts: zero where it is their rounding.
+/// A sum, or zero where it is rounding of its parts, of which `sizes` is the sum of magnitudes.
 fn told(figure: f64, sizes: f64) -> f64 {
     if figure.abs() <= NO_WORK * sizes {
         0.0

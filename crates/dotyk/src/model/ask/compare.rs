@@ -48,7 +48,7 @@ pub struct Comparison {
 /// Most iterations of one run of a sweep: enough for the left branch at a hundredth of the best step.
 const SWEEP_ITERATIONS: usize = 20_000;
 
-/// Runs every named method that can treat the model on its last load step, each from its own start.
+/// Runs every named method that applies to the model on its last load step, each from its own start.
 ///
 /// Errors: those of [`Model::solve`] that come before the contact solver.
 pub(crate) fn compare<const D: usize>(
@@ -79,7 +79,7 @@ pub(crate) fn compare_steps<const D: usize>(
     let mut varied = bench.stage.clone();
     let mut rows = Vec::new();
     for method in [Method::Uzawa, Method::Gradient] {
-        // the automatic step tells λ_max of the operator that the method iterates on
+        // the automatic step gives λ_max of the operator that the method iterates on
         varied.solver.rho = None;
         varied.solver.max_iterations = Some(1);
         let natural = run_method(
@@ -105,9 +105,9 @@ pub(crate) fn compare_steps<const D: usize>(
     Ok(rows)
 }
 
-/// A condensed model with the answer that all runs are compared with.
+/// A condensed model with the reference answer of all runs.
 struct Bench<const D: usize> {
-    /// What is there in the last load step.
+    /// The parts of the model that are there in the last load step.
     stage: Model<D>,
     condensed: Condensed<D>,
     reference: Vec<f64>,

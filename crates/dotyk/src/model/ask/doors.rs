@@ -1,4 +1,4 @@
-//! What a model can be asked: its solution, its dual problem, a check, a comparison of solvers.
+//! Entry points of a model: its solution, its dual problem, a check, a comparison of solvers.
 
 use crate::dual::{Certificate, DualProblem, Multipliers};
 use crate::linalg::SparseMatrix;
@@ -20,8 +20,8 @@ use crate::solve::ContactSolver;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// What is generic is compiled again in every program that calls it, at a minute each. So the doors are not: behind them
-/// everything is compiled here, once for each dimension.
+/// Generic functions are compiled again in every program that calls them, which takes a minute each. So the entry points are
+/// not generic: all code behind them is compiled here, once for each dimension.
 macro_rules! doors {
     ($($D:literal)*) => {$(
         impl Model<$D> {
@@ -40,7 +40,7 @@ macro_rules! doors {
                 self.solve_steps_with(&mut |_| {})
             }
 
-            /// The same, and tells an observer what happens.
+            /// The same, with an observer of its events.
             ///
             /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
             pub fn solve_steps_with(
@@ -51,12 +51,12 @@ macro_rules! doors {
                 solve_steps(self, Given::NONE, None, observe)
             }
 
-            /// The same, after steps that were solved before: the first ones of this model, with the same contact forces
-            /// and bodies that move and strain as much. They are solved again from these forces, which takes no iterations
-            /// to speak of, and are in the answer; forces of couples are not known, with some the steps are repeated.
+            /// The same, after steps that were solved before: the first ones of this model, with the same contact forces,
+            /// displacements and strain energies. They are solved again from these forces, which takes hardly any iteration,
+            /// and are part of the answer. Forces of couples are not recorded; with couples the steps are repeated in full.
             ///
-            /// Errors: as [`Self::solve_steps_with`]; `Past` where such a step is none of this model, `NothingLeft` where
-            /// all steps are.
+            /// Errors: as [`Self::solve_steps_with`]; `Past` where such a step is not one of this model, `NothingLeft` where
+            /// all steps were solved before.
             pub fn solve_steps_after(
                 &self,
                 past: &[Past<$D>],
@@ -67,8 +67,8 @@ macro_rules! doors {
                 solve_steps(self, given, None, observe)
             }
 
-            /// All load steps, with what another model of the same stiffness has left: nothing is factored or condensed again where
-            /// only loads, friction, prescribed values or steps differ.
+            /// All load steps, with the factors that another model of the same stiffness has left: where only loads, friction,
+            /// prescribed values or steps differ, no body is factored or condensed again.
             ///
             /// Errors: as [`Self::solve_steps_with`].
             pub fn solve_steps_reusing(
@@ -79,9 +79,8 @@ macro_rules! doors {
                 self.solve_reusing(reuse, observe)
             }
 
-            /// Solves the models that `make` makes for all combinations of the values that parameters take. This one has the
-            /// values `own`; `observe` is told when a member is done. What cannot be made or solved is a member with its
-            /// reason.
+            /// Solves the models that `make` makes for all combinations of parameter values. This one has the values `own`;
+            /// `observe` is called when a member is done. A model that cannot be made or solved is a member with its reason.
             pub fn study(
                 self,
                 own: &[f64],
@@ -95,17 +94,17 @@ macro_rules! doors {
             /// Solves the model with a solver of one's own and returns the solution of its last load step.
             ///
             /// The solver is asked once in each step, from the answer of the step before. Its forces are judged as those
-            /// of every method, and nothing is done to improve them: figures are relative to the displacements, and may
-            /// ask for some digits more than [`DualProblem::kkt_residual`].
+            /// of every method, and are not corrected: figures come from the displacements, and may need some digits more
+            /// than [`DualProblem::kkt_residual`].
             ///
-            /// Errors: see [`Error`]; `NotConverged` where the certificate does not hold, with the solution that its
-            /// forces make; `Solver` with its own error, or where its forces have wrong lengths or are not finite.
+            /// Errors: see [`Error`]; `NotConverged` where the certificate does not hold, with the solution of its forces;
+            /// `Solver` with its own error, or where its forces have wrong lengths or are not finite.
             pub fn solve_by(&self, solver: &dyn ContactSolver) -> Result<Solution<$D>, Error<$D>> {
                 let last = self.solve_steps_by(solver, &mut |_| {})?.pop();
                 last.ok_or(Error::NoStep)
             }
 
-            /// The same, with all load steps, and tells an observer what happens.
+            /// The same for all load steps, with an observer of its events.
             ///
             /// Errors: as [`Self::solve_by`], with the steps before the one that failed.
             pub fn solve_steps_by(
@@ -175,7 +174,7 @@ macro_rules! doors {
         }
 
         impl Dual<$D> {
-            /// What each contact force is, (m,).
+            /// Description of each contact force, (m,).
             pub fn unknowns(&self) -> Vec<Unknown<$D>> {
                 self.list_unknowns()
             }
@@ -205,17 +204,16 @@ macro_rules! doors {
                 self.solved(method, &mut |_| {})
             }
 
-            /// The certificate of λ and α, whoever has found them, from the displacements that they cause.
+            /// The certificate of λ and α, whatever their source, from the displacements that they cause.
             ///
             /// Errors: `Solver` where lengths differ from (m,) and (r,), or a number is not finite.
             pub fn certify(&self, multipliers: &Multipliers) -> Result<Certificate, Error<$D>> {
                 self.certified(multipliers)
             }
 
-            /// The solution with λ and α, whoever has found them: displacements, stresses, reactions, contacts, probes.
+            /// The solution with λ and α, whatever their source: displacements, stresses, reactions, contacts, probes.
             ///
-            /// Errors: as [`Self::certify`]; `NotConverged` where the certificate does not hold, with the solution all
-            /// the same.
+            /// Errors: as [`Self::certify`]; `NotConverged` where the certificate does not hold, with the solution.
             pub fn recover(&self, multipliers: &Multipliers) -> Result<Solution<$D>, Error<$D>> {
                 self.recovered(multipliers)
             }
@@ -236,19 +234,19 @@ impl<const D: usize> Dual<D> {
         &self.condensed.problem
     }
 
-    /// Where loads, supports and gaps were taken.
+    /// Time at which loads, supports and gaps were taken.
     pub fn time(&self) -> f64 {
         self.condensed.time
     }
 
-    /// Name of a contact by its index in [`Unknown::contact`]; "BODY.POINT" of a couple. Empty where there is none.
+    /// Name of a contact by its index in [`Unknown::contact`]; "BODY.POINT" of a couple. Empty for an unknown index.
     pub fn contact_name(&self, contact: usize) -> &str {
         let conditions = self.condensed.conditions.get(contact);
         conditions.map_or("", |condition| condition.name.as_str())
     }
 
-    /// g₀ (m,): gaps without displacements; in a tangential row what a slip in earlier steps and the motion of
-    /// an obstacle make of it.
+    /// g₀ (m,): gaps without displacements; in a tangential row those from the slip in earlier steps and the motion
+    /// of an obstacle.
     pub fn initial_gaps(&self) -> &[f64] {
         &self.condensed.gaps
     }
@@ -265,7 +263,7 @@ impl<const D: usize> Model<D> {
         solve_steps(self, Given::NONE, Some(reuse), observe)
     }
 
-    /// Errors: what makes no model, whatever its bodies are.
+    /// Errors: an invalid model, whatever its bodies are.
     fn validate(&self) -> Result<(), Error<D>> {
         let rising = |pair: &[f64]| pair[0] < pair[1];
         if self.bodies.is_empty() {
@@ -308,7 +306,7 @@ impl<const D: usize> Model<D> {
         }
     }
 
-    /// Errors: a body by whose name no file can be called, or one that is the same on some systems.
+    /// Errors: a body whose name cannot be that of a file, or equals another one on some systems.
     fn check_file_names(&self) -> Result<(), Error<D>> {
         let names = self.bodies.iter().map(|body| &body.name[..]);
         check_file_names(names).map_err(|source| Error::FileName {

@@ -1,5 +1,5 @@
-//! The dual problem of a model, with the way there and back: which contact force each unknown is, the rows of B, and from
-//! forces that anybody has found to displacements, their certificate and a solution. Factored once for any number of these.
+//! The dual problem of a model, with the contact force of each unknown and the rows of B, and the way back: from forces of any
+//! source to displacements, their certificate and a solution. Factored once for any number of these.
 
 use crate::dual::{Certificate, Compliance, Multipliers};
 use crate::geometry::Point;
@@ -27,24 +27,25 @@ use std::ops::Range;
 ///   min 1/2 λᵀFλ − dᵀλ over λ ∈ Λ, Gλ = e,      gap = Fλ − d − Gᵀα = g₀ − Bu
 /// ```
 ///
-/// The unknowns go contact by contact in the order of the model, and within one node by node in the order of
-/// [`ContactSolution::nodes`](crate::model::ContactSolution::nodes), of a node with friction or a tie the normal force first, then the
-/// tangential ones. Behind them stand the couples, in the order of the bodies. Nodes that face nothing, or whose displacement is prescribed, have none: [`Unknown`] tells each one's place.
+/// The unknowns are ordered contact by contact as in the model, within one contact node by node as in
+/// [`ContactSolution::nodes`](crate::model::ContactSolution::nodes); a node with friction or a tie has its normal force first, then the
+/// tangential ones. The couples follow in the order of the bodies. Nodes without an opposite side, or with a prescribed displacement,
+/// have no unknown; [`Unknown`] gives the place of each.
 pub struct Dual<const D: usize> {
     pub(crate) stage: Stage<'static, D>,
     pub(crate) condensed: Condensed<D>,
     pub(crate) view: View<D>,
 }
 
-/// What a contact force λᵢ is.
+/// Description of a contact force λᵢ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unknown<const D: usize> {
     /// Index of its contact in the model; those of couples follow in the order of the bodies, then beds, then bars.
     pub contact: usize,
     /// Index of its node among those of the contact in a solution.
     pub place: usize,
-    /// Index of its node in the mesh of the nonmortar body; of an average couple, which moves the whole side, any of its nodes; of an
-    /// element of a bar, whose ends need not be nodes, the one that moves it most, zero where that body does not.
+    /// Index of its node in the mesh of the nonmortar body. For an average couple, which moves the whole side, any of its nodes; for an
+    /// element of a bar, whose ends need not be nodes, the node that moves it most, or zero where that body does not move it.
     pub node: usize,
     /// 0: along the contact normal, else along a tangent.
     pub component: usize,
@@ -60,7 +61,7 @@ pub struct Unknown<const D: usize> {
 }
 
 impl<const D: usize> Dual<D> {
-    /// What each contact force is, m in number.
+    /// Description of each contact force, m in number.
     pub(crate) fn list_unknowns(&self) -> Vec<Unknown<D>> {
         let mut list = Vec::with_capacity(self.condensed.gaps.len());
         let mut block = 0;
@@ -87,7 +88,7 @@ impl<const D: usize> Dual<D> {
         list
     }
 
-    /// What a contact force is along, in a word: of a contact its component, else what it is a force of.
+    /// The direction of a contact force in a word: the component of a contact, else the kind of connection.
     pub(crate) fn component_name(&self, unknown: &Unknown<D>) -> &'static str {
         let components: &[&str] = match D {
             2 => &["normal", "tangent"],
@@ -133,7 +134,7 @@ impl<const D: usize> Dual<D> {
         columns.collect()
     }
 
-    /// F with all its entries, if it is not yet there and not too large; `true` where it is there.
+    /// Assembles F with all its entries if that is not yet done and F is not too large; `true` where F is assembled.
     pub(crate) fn assemble_compliance(&mut self) -> bool {
         let problem = &mut self.condensed.problem;
         match problem.compliance {
@@ -150,7 +151,7 @@ impl<const D: usize> Dual<D> {
     ) -> Result<Multipliers, Error<D>> {
         let solver = &mut self.stage.model.to_mut().solver;
         let own = std::mem::replace(&mut solver.method, method);
-        // the certificate may ask for a d that knows the rounding of the displacements; this problem keeps its own
+        // the certificate may correct d for the rounding of the displacements; this problem keeps its own
         let shift = self.condensed.problem.shift.clone();
         let start = Start::default();
         let solved = certified_attempt(&self.stage.model, &mut self.condensed, start, observe);

@@ -1,4 +1,4 @@
-//! What a model can be asked: its solution, its dual problem, a check, a comparison of solvers, a study.
+//! Entry points of a model: its solution, its dual problem, a check, a comparison of solvers, a study.
 
 pub mod check;
 pub mod compare;

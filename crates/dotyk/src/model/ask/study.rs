@@ -1,7 +1,7 @@
 //! A model solved for many values of its parameters.
 //!
 //! Members that differ in loads, friction, prescribed values or steps alone share one factorisation ([`Reuse`]): parameters
-//! that change the stiffness are varied outermost, and what is inside such a loop is solved one after the other. Different
+//! that change the stiffness are varied outermost, and members inside such a loop are solved one after the other. Different
 //! stiffnesses are solved in parallel.
 
 use crate::model::march::reuse::Reuse;
@@ -22,7 +22,7 @@ pub struct Varied {
     pub log: bool,
 }
 
-/// What is read in every member: a probe of one number.
+/// A probe of one number that is read in every member.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     /// Name of the probe.
@@ -61,7 +61,7 @@ pub struct Study {
     pub members: Vec<Member>,
 }
 
-/// Makes the model for some values, or says why there is none.
+/// Makes the model for some values, or gives the reason why it cannot.
 pub type Make<'a, const D: usize> = dyn Fn(&[f64]) -> Result<Model<D>, String> + Sync + 'a;
 
 impl Study {
@@ -143,7 +143,7 @@ fn changes_stiffness<const D: usize>(
     ends.into_iter().flatten().any(|&value| {
         let mut values = own.to_vec();
         values[index] = value;
-        // what cannot be made is solved by nobody
+        // a model that cannot be made is not solved
         make(&values).is_ok_and(|other| !other.has_stiffness_of(model))
     })
 }

@@ -3,8 +3,8 @@
 //! The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
 //! (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
 //! steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
-//! from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all.
-//! A solver of somebody else's is asked once, and what it says is judged as it is.
+//! from there. Where an applied or sparse F is not enough (slender bodies), F is assembled after all.
+//! A solver from outside is called once, and its answer is judged as it is.
 
 use crate::dual::{Certificate, Multipliers, NOT_OF_THE_SOLVER};
 use crate::fem::show;
@@ -39,9 +39,9 @@ pub(crate) struct Attempt<const D: usize> {
 /// How the contact problem of a load step is solved.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Start<'a> {
-    /// By whom, where it is not the method of the model.
+    /// A solver from outside, in place of the method of the model.
     pub own: Option<&'a dyn ContactSolver>,
-    /// From where.
+    /// The forces to start from.
     pub guess: Option<&'a Multipliers>,
 }
 
@@ -90,8 +90,8 @@ impl<const D: usize> Attempt<D> {
 /// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
 /// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
 /// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
-/// from there. Where an applied or sparse F does not do (slender bodies), F is assembled after all, that of a crowd not. Of
-/// all this nothing is done for a solver of somebody else's.
+/// from there. Where an applied or sparse F is not enough (slender bodies), F is assembled after all, except for a crowd. The
+/// answer of a solver from outside is not corrected.
 pub(crate) fn certified_attempt<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,
@@ -119,9 +119,9 @@ pub(crate) fn certified_attempt<const D: usize>(
     continued(model, condensed, attempt, judged, observe)
 }
 
-/// Runs the method of the model, or a solver of somebody else's, once.
+/// Runs the method of the model, or a solver from outside, once.
 ///
-/// Errors: bolts that are none; a problem that cannot be solved by that method.
+/// Errors: bolts that are not at contact nodes; a problem that the method cannot solve.
 pub(crate) fn run<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -187,10 +187,10 @@ fn corrected<const D: usize>(
     Ok((attempt, best.1))
 }
 
-/// Forces below this part of the loads of what their contact couples are rounding.
+/// Forces below this part of the loads in their domain are rounding.
 const UNLOADED: f64 = 1e-13;
 
-/// Whether all forces are rounding: what the contacts bear then is nothing, and a residual relative to it says nothing.
+/// Whether all forces are rounding: the contacts then bear no force, and a residual relative to it is meaningless.
 fn is_unloaded<const D: usize>(condensed: &Condensed<D>, lambda: &[f64]) -> bool {
     let coupled = &condensed.problem.coupled;
     let rows = lambda.iter().zip(&coupled.contact);
@@ -199,8 +199,8 @@ fn is_unloaded<const D: usize>(condensed: &Condensed<D>, lambda: &[f64]) -> bool
     })
 }
 
-/// Goes on from an answer whose certificate does not hold, with a tolerance that much smaller and d corrected so that the
-/// gap of the dual problem at its forces is the gap of the displacements.
+/// Goes on from an answer whose certificate does not hold, with a tolerance smaller by its excess, and with d corrected so that
+/// the gap of the dual problem at its forces is the gap of the displacements.
 fn continued<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,
@@ -234,7 +234,7 @@ fn continued<const D: usize>(
     Ok((attempt, judged))
 }
 
-/// The worst figure of a certificate in its limits, infinite where one is no number; but for what no solver can change.
+/// The worst figure of a certificate over its limit, infinite with a NaN; figures that no solver can change are left out.
 fn excess(certificate: &Certificate) -> f64 {
     let figures = certificate.figures().into_iter();
     figures
@@ -246,8 +246,8 @@ fn excess(certificate: &Certificate) -> f64 {
         )
 }
 
-/// Runs one method to a tolerance on the condensed problem, with what is left of the iterations that the model allows when so many are
-/// done; failing to converge is not yet an error.
+/// Runs one method to a tolerance on the condensed problem, with the iterations that the model still allows after those done;
+/// failing to converge is not yet an error.
 pub(crate) fn run_method<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -349,7 +349,7 @@ fn run_solver<const D: usize>(
     })
 }
 
-/// What there is to show of bodies that slide away: nothing.
+/// The outcome for bodies that slide away: zero forces.
 fn nowhere<const D: usize>(condensed: &Condensed<D>) -> Outcome {
     let multipliers = Multipliers {
         lambda: vec![0.0; condensed.gaps.len()],
@@ -358,7 +358,7 @@ fn nowhere<const D: usize>(condensed: &Condensed<D>) -> Outcome {
     Outcome::new(multipliers, 0)
 }
 
-/// Newton's method takes fewer iterations where friction is no trouble: of ten thousand random problems 99 in 100 took less
+/// Newton's method takes fewer iterations where friction is harmless: of ten thousand random problems 99 in 100 took less
 /// than 40.
 const MANY: usize = 60;
 
@@ -386,7 +386,7 @@ impl Unrest {
         self.last.extend(iterate.lambda);
     }
 
-    /// What is to be said of an answer that friction made hard to find.
+    /// A remark on an answer that friction made hard to find.
     fn remark<const D: usize>(
         &self,
         model: &Model<D>,

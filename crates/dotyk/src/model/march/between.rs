@@ -5,8 +5,8 @@
 //! ```
 //!
 //! Contact conditions hold at nodes or in the mean of functions ψ. Between them the sides may overlap by what the meshes
-//! cannot resolve: the dent p(h_s/E_s + h_m/E_m) of a pressure p that varies from node to node, and how much the gap itself
-//! curves along a facet. Where nothing presses and nothing curves there is no excuse: a condition was lost.
+//! cannot resolve: the dent p(h_s/E_s + h_m/E_m) of a pressure p that varies from node to node, and the curvature of the gap
+//! along a facet. Without pressure and curvature an overlap means that a condition was lost.
 
 use crate::contact::{Coupling, InterfaceNode, Moved, Role, Sample};
 use crate::geometry::{Point, add_scaled, dot, invert, norm, sub};
@@ -58,9 +58,9 @@ pub(crate) fn worst_overlap<const D: usize>(
     worst
 }
 
-/// What the meshes can resolve of one contact under its forces `lambda` at each node of its nonmortar side that faces something, a
-/// length; `out` tells how far points are out of the obstacle, where one lies opposite: seen from a side that leans, it would
-/// bend more than it does.
+/// Resolution of the meshes of one contact under its forces `lambda`, at each node of its nonmortar side with an opposite side, a
+/// length. `out` gives the distance of points from the obstacle, if there is one: along the normal of an inclined side the gap would
+/// curve more than the obstacle does.
 pub(crate) fn resolved<const D: usize>(
     condition: &Condition<D>,
     moved: &Moved<'_, D>,
@@ -87,7 +87,7 @@ pub(crate) fn resolved<const D: usize>(
     resolved
 }
 
-/// Of each facet the gaps at its samples, as they are told, and the largest pressure and bend of the gap at its nodes.
+/// For each facet the gaps at its samples, by `gap`, and the largest pressure and bend of the gap at its nodes.
 fn seen<const D: usize>(
     condition: &Condition<D>,
     lambda: &[f64],
@@ -104,7 +104,7 @@ fn seen<const D: usize>(
         let bend = bend(samples, gaps);
         nodes_of(samples).for_each(|node| raise(&mut bends, node, bend));
     }
-    // a condition that is a mean over the facets of a node sees how the gap bends on all of them
+    // a condition that is a mean over the facets of a node involves the bend of the gap on all of them
     let bends = near(condition, &bends);
     let most = |samples: &[Sample<D>], of: &BTreeMap<usize, f64>| {
         let values = nodes_of(samples).filter_map(|node| of.get(&node));
@@ -118,8 +118,8 @@ fn seen<const D: usize>(
     facets.collect()
 }
 
-/// The deepest overlap of one contact where nodes were told to take no part, beyond how much its gap bends along a facet that
-/// does: undeformed position and depth.
+/// The deepest overlap of one contact at excluded nodes, beyond the bend of its gap along a facet that takes part: undeformed
+/// position and depth.
 pub(crate) fn left_overlap<const D: usize>(
     condition: &Condition<D>,
     moved: &Moved<'_, D>,
@@ -141,7 +141,7 @@ pub(crate) fn left_overlap<const D: usize>(
     deep.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// Node of the nonmortar side that supports hold, and how deep it is in the other side: the deepest one of a contact that is no tie.
+/// The supported node of the nonmortar side that is deepest in the other side, and its depth; not for ties.
 pub(crate) fn held_overlap<const D: usize>(
     condition: &Condition<D>,
     moved: &Moved<'_, D>,
@@ -174,7 +174,7 @@ fn gap_at<const D: usize>(
     Some(node.clearance + other - along(moved.own[node.node]))
 }
 
-/// The smallest gap of one contact at nodes that face something, and between them; `None` where it is not known at a node that
+/// The smallest gap of one contact at nodes with an opposite side and between them; `None` where it is not known at a node that
 /// `bears` a force.
 pub(crate) fn smallest_gap<const D: usize>(
     condition: &Condition<D>,
@@ -198,8 +198,8 @@ pub(crate) fn smallest_gap<const D: usize>(
     Some(between.fold(smallest, f64::min)).filter(|gap| gap.is_finite())
 }
 
-/// How deep the sides of one contact have sunk into each other between the nodes, where that is more than half of what either has
-/// moved there: what was drawn so, and what a pressed facet dents, is less.
+/// How deep the sides of one contact have sunk into each other between the nodes, if by more than half of the motion of either side
+/// there: initial overlaps and the dents of pressed facets are smaller.
 pub(crate) fn sunk<const D: usize>(condition: &Condition<D>, moved: &Moved<'_, D>) -> Option<f64> {
     let motion = |nodes: &[(usize, f64)], u: &[Point<D>]| {
         let sum = nodes

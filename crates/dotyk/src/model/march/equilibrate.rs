@@ -1,4 +1,5 @@
-//! The loop of equilibrium: forces, displacements, what these ask for besides, and forces again, until the certificate holds.
+//! The loop of equilibrium: forces, displacements, their plastic strain and parted joints, and forces again, until the certificate
+//! holds.
 //!
 //! ```text
 //!   solve ─▶ judge ─▶ increments, a finer tolerance (attempt.rs)
@@ -8,7 +9,7 @@
 //!                     answer
 //! ```
 //!
-//! K, its factor, F and the pairs stay; what is asked for changes what drives. A linear problem passes once.
+//! K, its factor, F and the pairs stay; only the driving terms change. A linear problem passes once.
 
 use crate::model::march::attempt::{Attempt, Start, certified_attempt};
 use crate::model::march::flow::Turns;
@@ -19,10 +20,10 @@ use crate::model::nouns::event::Event;
 use crate::model::nouns::model::Model;
 use crate::model::system::condense::{Condensed, again};
 
-/// An attempt, how it was judged, and what the user should know of what was lost on the way.
+/// An attempt, its judgement, and remarks on joints lost on the way.
 pub(crate) type Found<const D: usize> = (Attempt<D>, Judged<D>, Vec<String>);
 
-/// Solves until the certificate holds, all joints have a state, and the bodies have yielded as much as their displacements say.
+/// Solves until the certificate holds, all joints have a state, and the plastic strain is that of the displacements.
 ///
 /// Errors: those of [`certified_attempt`].
 pub(crate) fn equilibrate<const D: usize>(

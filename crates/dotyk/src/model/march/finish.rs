@@ -1,4 +1,4 @@
-//! From a judged attempt to the solution of a step, with what the user should know of it.
+//! From a judged attempt to the solution of a step, with its warnings.
 
 use crate::contact::{Coupling, Row};
 use crate::fem::{Short, show};
@@ -25,7 +25,7 @@ use crate::solve::{Bolt, Outcome};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// The solution of a step, but for the times that it took.
+/// The solution of a step, without its computing times.
 ///
 /// Errors: a group of cells without a material; a probe that cannot be read.
 pub(crate) fn finish<const D: usize>(
@@ -55,7 +55,7 @@ pub(crate) fn finish<const D: usize>(
     warnings.extend(condensed.floating.warnings.iter().cloned());
     let bolts = bolt_reports(model, &outcome, &condensed.conditions, &mut warnings);
     warnings.extend(outcome.remarks.iter().cloned());
-    // a body that slides away has no position to tell of
+    // a body that slides away has no position to report
     let placed = failure.is_none() || outcome.iterations > 0;
     for body in judged.displaced.hovering.iter().filter(|_| placed) {
         let hangs = |bar: &Bar<D>| bar.touched().any(|id| model.bodies[id.0].name == *body);
@@ -195,10 +195,10 @@ fn bolt_reports<const D: usize>(
     reports
 }
 
-/// The pressure of a sliver of facets is told where it is the largest of its contact, by this factor.
+/// The pressure of a sliver of facets is reported where it exceeds all others of its contact by this factor.
 const PEAK: f64 = 1.25;
 
-/// Warnings about contacts whose largest pressure is that of a node of which only a sliver faces the other side.
+/// Warnings about contacts whose largest pressure is at a node with only a sliver of its support opposite the other side.
 fn peaks_of_slivers<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -240,7 +240,7 @@ fn peaks_of_slivers<const D: usize>(
 /// A polygon's distance from its curve matters when it is more than this part of the displacement jump.
 const SAGITTA: f64 = 0.01;
 
-/// Nodes that bear less than this part of the largest contact force are not loaded.
+/// Nodes with less than this part of the largest contact force count as unloaded.
 const LOADED: f64 = 1e-9;
 
 /// A warning about gaps that were measured between polygons which stand for curves, where these bear a force; forces and `gaps` (m,)

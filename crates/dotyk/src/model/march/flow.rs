@@ -1,18 +1,17 @@
-//! Equilibrium of bodies that yield: elastic problems with contact, one after the other, until the plastic strain is that of the
-//! answer.
+//! Equilibrium of bodies that yield: a sequence of elastic problems with contact, until the plastic strain no longer changes.
 //!
 //! ```text
 //!   t ─ R ─▶ ε_p ─ K, F, contact ─▶ u(ε_p) =: T(t),        T(t) = t
 //! ```
 //!
-//! R returns the stress of displacements t to what the material bears (`fem/plastic.rs`), from the plastic strain that the step
-//! began with; the load of ε_p then moves the bodies to u, with the factors and F of the elastic bodies, contact solved to the
-//! end. With von Mises' law and contact without friction T is the steepest descent of a convex energy in the norm of the elastic
-//! one, with a step that never overshoots. Anderson's method makes of its hundreds of steps some tens.
+//! R is the return mapping of displacements t (`fem/plastic.rs`), from the plastic strain at the beginning of the step; the load
+//! of ε_p then moves the bodies to u, with the factors and F of the elastic bodies and contact solved fully. With von Mises'
+//! law and contact without friction T is the steepest descent of a convex energy in the norm of the elastic energy, with a
+//! step that never overshoots. Anderson's method reduces hundreds of steps to some tens.
 //!
-//! *When it ends.* (u, R(u)) is the answer: its stress is one that the material bears, and what its nodes leave unbalanced is
-//! the load of R(u) − ε_p. Where that is nothing beside the largest force of a cell on a node of the same body (another one may bear
-//! any times as much), the answer is judged as that of the elastic problem. Where no body may yield nothing of this is done.
+//! *When it ends.* (u, R(u)) is the answer: its stress is admissible, and the unbalanced nodal forces are the load of R(u) − ε_p.
+//! Where these are negligible beside the largest force of a cell on a node of the same body (forces of other bodies may be far
+//! larger), the answer is judged as that of the elastic problem. Where no body may yield this file does nothing.
 
 use crate::dual::OfYield;
 use crate::fem::{FemError, Increment, Yielded};
@@ -34,17 +33,17 @@ use std::sync::Arc;
 /// Most elastic problems of one step.
 const MOST: usize = 600;
 
-/// Most of them while the part of a step is looked for that bodies can bear, and how narrowly that is told.
+/// Most elastic problems in the search for the part of a step that bodies can bear, and the resolution of that part.
 const FEWER: usize = 200;
 const NARROW: f64 = 1e-3;
 
-/// What is left unbalanced where the accelerated steps end, of what may be: the judge has still to solve once more.
+/// The accelerated steps end at this part of the allowed imbalance: the judge still solves once more.
 const BELOW: f64 = 0.1;
 
 /// After so many steps the scales of forces are taken anew: a body may have been unloaded at first.
 const RESCALED: usize = 10;
 
-/// Bodies flow by themselves, and are not driven, where prescribed motion does no more than this part of the work that they dissipate.
+/// Bodies flow under their loads, and are not driven, where prescribed motion does at most this part of the dissipated work.
 const DRIVEN: f64 = 0.1;
 
 /// Displacements that strain each body, (D·n,), in the frames of its nodes.
@@ -52,16 +51,16 @@ type Strained = Vec<Vec<f64>>;
 
 /// The search for the plastic strain of a step.
 pub(crate) struct Turns {
-    /// That which the step began with, of bodies that may yield.
+    /// Plastic strain at the beginning of the step, of bodies that may yield.
     began: Vec<Option<Yielded>>,
     /// Elastic problems that have been solved.
     done: usize,
-    /// Prescribed motion makes the bodies flow, and may go as far as it will.
+    /// Prescribed motion makes the bodies flow, and may go any distance.
     driven: bool,
 }
 
 impl Turns {
-    /// That of a step, which begins with what has yielded before.
+    /// The search of a step, which begins with the plastic strain of the steps before.
     pub fn new<const D: usize>(
         model: &Model<D>,
         condensed: &Condensed<D>,
@@ -82,8 +81,8 @@ impl Turns {
         })
     }
 
-    /// Goes on from an attempt that is certified, where its bodies have not yielded as its displacements say: the attempt then, and
-    /// whether it went on. Where nothing can be done it says why. The bodies carry the plastic strain of the last step.
+    /// Goes on from a certified attempt whose plastic strain is not that of its displacements; returns the new attempt, and whether it
+    /// went on. Where equilibrium is impossible the attempt says why. The bodies carry the plastic strain of the last step.
     ///
     /// Errors: those of [`run`], and of the law of a body.
     pub fn next<const D: usize>(
@@ -124,8 +123,8 @@ impl Turns {
         Ok((attempt, true))
     }
 
-    /// What is made of each body that may yield, by its index, the plastic strain that it began with, and its displacements in
-    /// global axes.
+    /// Applies `make` to each body that may yield: its index, its plastic strain at the beginning, and its displacements in global
+    /// axes.
     fn each<const D: usize, T: Send>(
         &self,
         model: &Model<D>,
@@ -158,8 +157,7 @@ impl Turns {
         Ok(returned.into_iter().map(|own| own.and_then(some)).collect())
     }
 
-    /// The largest nodal force of each body that displacements leave unbalanced where the plastic strain is theirs, and not that of the
-    /// load.
+    /// The largest unbalanced nodal force of each body if the plastic strain of the displacements replaces that of the load.
     fn left<const D: usize>(
         &self,
         model: &Model<D>,
@@ -176,7 +174,7 @@ impl Turns {
         })
     }
 
-    /// What has been done since the step began, of each body that may yield.
+    /// The plastic increments since the step began, of each body that may yield.
     fn increments<const D: usize>(
         &self,
         model: &Model<D>,
@@ -190,8 +188,8 @@ impl Turns {
         })
     }
 
-    /// Accelerated steps from some displacements, until little is left unbalanced or no step can be made; the displacements then,
-    /// and the bodies carry the plastic strain of the last step.
+    /// Accelerated steps from some displacements, until the imbalance is small or no step can be made; returns the displacements, and
+    /// leaves the plastic strain of the last step with the bodies.
     fn settle<const D: usize>(
         &mut self,
         model: &Model<D>,
@@ -248,8 +246,8 @@ impl Turns {
         yielding.flat_map(|(u, _)| u.iter().copied()).collect()
     }
 
-    /// The part of the step that the bodies can bear, by bisection; the problem is that of the whole step again then. It is not told
-    /// where stress or strain is in such a body before anything acts: that comes with the load, and is in the law, too.
+    /// The part of the step that the bodies can bear, by bisection; afterwards the problem is that of the whole step again. `None` where
+    /// such a body has an initial stress or strain: that would be scaled with the load, and is in the law, too.
     fn carried<const D: usize>(
         &mut self,
         model: &Model<D>,
@@ -288,10 +286,10 @@ impl Turns {
         Ok(Some(low))
     }
 
-    /// Takes over the plastic strain of the displacements, and judges it.
+    /// Adopts the plastic strain of the displacements, and judges it.
     ///
-    /// What is left unbalanced is found from stresses: what acts on the nodes besides the load of the plastic strain, less what holds the
-    /// returned stress. So that load, and the way to it, is judged with the rest.
+    /// The imbalance is found from stresses: the nodal forces without the load of the plastic strain, less the nodal forces of the
+    /// returned stress. So an error of that load is noticed, too.
     ///
     /// Errors: those of the law of a body.
     pub fn take_over<const D: usize>(
@@ -319,7 +317,7 @@ impl Turns {
             Ok(largest(rest.into_iter().map(norm)))
         })?;
         let yielded = self.returned(model, condensed, strained)?;
-        // what neither has yielded nor is loaded as if it had is judged as all that is elastic
+        // a body that has neither yielded nor a plastic load is judged as an elastic one
         let loads = condensed.bodies.iter().zip(&yielded);
         let plastic =
             loads.map(|(body, own)| body.system.history.yielded.is_some() || own.is_some());
@@ -363,7 +361,7 @@ fn are_small(values: &[Option<f64>], part: f64, scales: &[Option<f64>]) -> bool 
     value <= part * scale
 }
 
-/// The value of a body that is largest beside its scale, and that.
+/// The value that is largest relative to its scale, and that scale.
 fn worst_of(values: &[Option<f64>], scales: &[Option<f64>]) -> [f64; 2] {
     let known = values.iter().zip(scales);
     let known = known.filter_map(|(value, scale)| Some([(*value)?, (*scale)?]));
@@ -372,7 +370,7 @@ fn worst_of(values: &[Option<f64>], scales: &[Option<f64>]) -> [f64; 2] {
     worst.unwrap_or_default()
 }
 
-/// Some body is held by what its cells cannot do: see [`Increment::flow`].
+/// The constrained cells of some body prevent its flow: see [`Increment::flow`].
 fn held_by_cells<const D: usize>(done: &[Option<Increment<D>>]) -> bool {
     let mut flows = done.iter().flatten().map(|own| own.flow);
     flows.any(|flow| flow.is_held_by_cells())
@@ -419,7 +417,7 @@ fn prescribed_work<const D: usize>(
     work
 }
 
-/// The largest of some numbers ≥ 0; zero where there is none.
+/// The largest of some numbers ≥ 0; zero without any.
 fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
 }

@@ -1,14 +1,14 @@
-//! What stands in what: the deformed outer surfaces of all bodies against each other and against rigid obstacles, whoever named a
-//! contact between them.
+//! Overlaps of all bodies: their deformed outer surfaces against each other and against rigid obstacles, with or without a contact
+//! between them.
 //!
 //! ```text
-//!   grown(x) = max(0, −φ(x + u)) − max(0, −φ₀(x))          φ the signed distance from what may be stood in, now and at first
+//!   grown(x) = max(0, −φ(x + u)) − max(0, −φ₀(x))          φ the signed distance from the other body or obstacle, now and at first
 //! ```
 //!
-//! Conditions of a contact hold between what lay opposite at first, and where a contact is named. Neither tells what becomes of a
-//! body that travels, nor of two that no contact keeps apart. So the nodes of every outer surface are looked up in every other
-//! body as it has moved; and edges that pass through it, half way between where they come in and go out. What an answer of small
-//! displacements may overlap, and no more, is
+//! Conditions of a contact hold between facets that were opposite at first, and only where a contact is named. They do not keep
+//! out a body that travels, nor separate bodies without a contact. So the nodes of every outer surface are looked up in every other
+//! body in its displaced position, and for edges that pass through it the point half way between entry and exit. An answer of small
+//! displacements may overlap by
 //!
 //! ```text
 //!   allowed = 10 × what the meshes of a contact resolve there          dents and bends of the gap, see `between`
@@ -19,16 +19,16 @@
 //!           + a given clearance that the meshes lack + rounding
 //! ```
 //!
-//! The first and the last but one hold at the sides of contacts alone. The third is of second order in the displacements, as the
-//! theory is of first: a body that travels without a strain gets none of it. What lay deeper than it has moved since was drawn
-//! so. What lies beside excluded nodes is told by a warning of its own, as is what a contact would hold that is not there. Where
-//! a clearance is given, what meshes do no farther than that from the sides, and from what goes on from these without an edge,
-//! says nothing. Bodies that are drawn to meet at edges alone have no sides there that a contact could name: what overlaps is
-//! narrow by the motion, and is left as long as that is small beside the facets.
+//! The first and the last but one hold at the sides of contacts only. The third is of second order in the displacements, as the
+//! theory is of first: it vanishes for a body that travels without strain. An overlap deeper than the motion since was drawn so.
+//! Overlaps beside excluded nodes, and those that an inactive contact would prevent, have warnings of their own. Where a
+//! clearance is given, overlaps of the meshes within that distance from the sides and their smooth continuations do not count.
+//! Bodies that meet only at edges have no sides there that a contact could name: such an overlap is as narrow as the motion, and is
+//! ignored as long as the motion is small beside the facets.
 //!
-//! An obstacle is there for the side that its contact names, and no other: a plane may stand for a punch. Nodes alone can stand in
-//! it: the second term does not count, and of the first the tenth part where each node has a condition of its own, and nothing
-//! where a node of the side has none. Beside them stands what the normal of the obstacle turns by along the motion.
+//! An obstacle exists only for the side that its contact names: a plane may represent a punch. Only nodes can overlap it: the
+//! second term does not count. Of the first a tenth counts where each node has a condition of its own, and zero where a node of the
+//! side has no condition. The turn of the obstacle's normal along the motion is added.
 
 use crate::contact::{Moved, Rigid, Role};
 use crate::dual::{BETWEEN_LIMIT, ROUNDING};
@@ -48,19 +48,19 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-/// Overlaps below this part of the motion are nothing to be told of.
+/// Overlaps below this part of the motion are not reported.
 const APART: f64 = 1e-6;
 
-/// How many times surfaces may be deeper than they are off their curves.
+/// Allowed depth of surfaces, as a multiple of their distance from their curves.
 const BOWS: f64 = 2.0;
 
-/// Gradients beyond this one are no gradients of small displacements.
+/// Larger gradients do not belong to small displacements.
 const TURN: f64 = 1.0;
 
-/// Facets of an edge that all lie within this many times the motion are too small beside it for what overlaps to be narrow.
+/// If all facets of an edge lie within this multiple of the motion, its overlap does not count as narrow.
 const NARROW: f64 = 10.0;
 
-/// A rounding of coordinates, in parts of the size of what is looked at.
+/// Rounding of coordinates relative to the size of the bodies.
 const COORDINATE: f64 = 8.0 * ROUNDING;
 
 /// The worst intrusions, of each body in each other one and in each obstacle, under the forces `lambda` (m,).
@@ -104,18 +104,18 @@ pub(crate) fn intrusions<const D: usize>(
     deepest.into_iter().chain(obstacles).collect()
 }
 
-/// A contact, and what its meshes resolve.
+/// A contact, and the resolution of its meshes.
 struct Named<'a, const D: usize> {
     name: &'a str,
     bodies: (usize, Option<usize>),
     moved: Moved<'a, D>,
     resolved: BTreeMap<usize, f64>,
-    /// The largest clearance, where it is given beside what the meshes show, and both sides, nonmortar and mortar, with what goes
-    /// on from them without an edge, as they are drawn.
+    /// The largest clearance, if it is given and not measured, and both undeformed sides, nonmortar and mortar, with their smooth
+    /// continuations.
     given: Option<(f64, [Option<Surrounding<D>>; 2])>,
-    /// Nodes of the nonmortar side that are excluded, and those beside them: what overlaps there is told apart.
+    /// Nodes of the nonmortar side that are excluded, and those beside them: overlaps there are reported separately.
     out: BTreeSet<usize>,
-    /// Nodes of the nonmortar side that meet an obstacle one by one and are not excluded; none where conditions are means.
+    /// Nodes of the nonmortar side that meet an obstacle node by node and are not excluded; `None` where conditions are means.
     above: Option<BTreeSet<usize>>,
 }
 
@@ -178,14 +178,14 @@ impl<'a, const D: usize> Named<'a, D> {
         }
     }
 
-    /// What it allows at a node of its nonmortar side.
+    /// Allowed overlap at a node of its nonmortar side.
     fn allows(&self, node: u32) -> Option<f64> {
         let resolved = self.resolved.get(&(node as usize))?;
         Some(BETWEEN_LIMIT * resolved + self.given.as_ref().map_or(0.0, |given| given.0))
     }
 
-    /// Whether a clearance is given, and a point of body `of`, or one of the other that it is next to, is drawn no farther than
-    /// that from the contact's side of its body, or from what goes on from it.
+    /// Whether a clearance is given, and the undeformed point of body `of`, or the one next to it on the other body, lies within the
+    /// clearance from the contact's side of its body or from the continuation of that side.
     fn excuses(&self, of: usize, [own, other]: [Point<D>; 2]) -> bool {
         let Some((clearance, [nonmortar, mortar])) = &self.given else {
             return false;
@@ -211,7 +211,7 @@ impl<'a, const D: usize> Named<'a, D> {
     }
 }
 
-/// A body where it has moved to.
+/// A displaced body.
 #[derive(Clone)]
 struct Solid<'a, const D: usize> {
     name: &'a str,
@@ -222,7 +222,7 @@ struct Solid<'a, const D: usize> {
     bounds: (Point<D>, Point<D>),
     /// Largest displacement of the surface.
     most: f64,
-    /// How far it may be off the curve that it stands for where it has moved to, at the nodes of the skin.
+    /// Distance of the displaced skin from the curve that it represents, at its nodes.
     bows: OnceLock<Vec<Bow>>,
 }
 
@@ -268,8 +268,8 @@ impl<'a, const D: usize> Solid<'a, D> {
         each.fold(0.0, f64::max).min(TURN)
     }
 
-    /// What its mesh and its rotation allow at a node that something has moved past by `motion`; whether a contact between the two
-    /// is `named`.
+    /// Overlap that its mesh and its rotation allow at a node past which the other body has moved by `motion`; `named`: a contact
+    /// between the two is named.
     fn allows(&self, node: u32, motion: f64, named: bool) -> f64 {
         let bent = self.bows.get_or_init(|| self.skin.bows(&self.now));
         let bows = [self.skin.bow(node), bent[self.skin.place(node)]];
@@ -293,14 +293,14 @@ impl Spot {
         }
     }
 
-    /// A value there, of values at all nodes such as positions or displacements.
+    /// The interpolated value of nodal ones such as positions or displacements.
     fn of<const D: usize>(&self, values: &[Point<D>]) -> Point<D> {
         let [from, to] = self.ends.map(|node| values[node as usize]);
         add_scaled(from, self.part, sub(to, from))
     }
 }
 
-/// Two bodies, of which parts of the first may stand in the second.
+/// Two bodies, of which the first may overlap the second.
 struct Meeting<'a, 'b, const D: usize> {
     /// Which of the bodies the first is.
     of: usize,
@@ -321,7 +321,7 @@ fn in_body<const D: usize>(
     let between =
         |contact: &&Named<'_, D>| contact.bodies == (a, Some(b)) || contact.bodies == (b, Some(a));
     let between: Vec<&Named<'_, D>> = contacts.iter().filter(between).collect();
-    // what was fitted to something that had moved counts from there
+    // a body that was fitted to a displaced one counts from that position
     let since = |index: usize| {
         let own = &bodies[index];
         let fitted = between
@@ -354,7 +354,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
         if motion <= self.rounding {
             return None;
         }
-        // nothing that has moved as far is deeper than twice that
+        // after such a motion no point is deeper than twice the motion
         let reach = 2.0 * motion + self.rounding;
         let low = std::array::from_fn(|d| own.bounds.0[d].max(other.bounds.0[d]) - reach);
         let high = std::array::from_fn(|d| own.bounds.1[d].min(other.bounds.1[d]) + reach);
@@ -373,7 +373,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
             .reduce(Intrusion::worse)
     }
 
-    /// Where the first body may be deepest: its nodes, and on edges that pass through the other one, half way between.
+    /// Points where the first body may be deepest: its nodes, and the middles of edges within the other one.
     fn spots(&self, surface: &Surrounding<D>) -> Vec<Spot> {
         let (own, (low, high)) = (&*self.own, self.other.bounds);
         let nodes = own.skin.nodes().iter().copied().filter(|&node| {
@@ -397,7 +397,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
         nodes.map(Spot::node).chain(through).collect()
     }
 
-    /// What stands there too deep, next to nodes `near` of the other body.
+    /// The intrusion at a spot that is too deep, next to nodes `near` of the other body.
     fn intrusion(
         &self,
         undeformed: &Surrounding<D>,
@@ -455,11 +455,11 @@ impl<const D: usize> Meeting<'_, '_, D> {
         })
     }
 
-    /// Whether edges of both are drawn to meet at a point, and no facet there is drawn along the other body.
+    /// Whether undeformed edges of both meet at a point, and no undeformed facet there lies along the other body.
     fn is_narrow(&self, undeformed: &Surrounding<D>, spot: Spot, motion: f64) -> bool {
         let at = spot.of(self.own.first);
         let reach = NARROW * motion + self.rounding;
-        // what passes through a corner has its middle beside it
+        // an edge through a corner has its middle beside it
         let beside = match spot.ends[0] == spot.ends[1] {
             true => self.rounding,
             false => reach,
@@ -473,7 +473,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
         is_edge(&self.own) && is_edge(&self.other) && !around.any(|s| s.iter().all(touches))
     }
 
-    /// What the contacts between the two allow there.
+    /// Overlap that the contacts between the two allow there.
     fn of_contacts(&self, spot: Spot, near: [u32; D]) -> Option<f64> {
         let largest = |contact: &&Named<'_, D>, nodes: &[u32]| {
             let allowed = nodes.iter().filter_map(|&node| contact.allows(node));
@@ -490,7 +490,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
     }
 }
 
-/// The size of what holds some boxes.
+/// The size of the bounding box of some boxes.
 fn extent<const D: usize>(boxes: &[(Point<D>, Point<D>)]) -> f64 {
     let corners: Vec<Point<D>> = boxes.iter().flat_map(|(low, high)| [*low, *high]).collect();
     let coordinates = corners.iter().flatten();

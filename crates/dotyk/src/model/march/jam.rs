@@ -4,14 +4,14 @@
 //!   N₁(n₁ − μ₁s₁) + N₂(n₂ − μ₂s₂) = f,     Nᵢ ≥ 0
 //! ```
 //!
-//! An overlap moves a node off both of its faces, along their normals n₁ and n₂ into its body, which answers with a force f between
-//! these. So the node slips on each face towards the normal of the other one, sᵢ, and friction leans the force of either face
-//! away from the other one, by the angle φᵢ = atan μᵢ. With the angle θ between the normals the two forces enclose
-//! θ + φ₁ + φ₂. From half a turn on nothing between n₁ and n₂ is a sum of them: at a right angle, where μ₁μ₂ ≥ 1.
+//! An overlap moves a node off both of its faces, along their normals n₁ and n₂ into its body, which responds with a force f
+//! between these. So the node slips on each face towards the normal of the other one, sᵢ, and friction inclines the force of each
+//! face away from the other one, by the angle φᵢ = atan μᵢ. With the angle θ between the normals the two forces enclose
+//! θ + φ₁ + φ₂. From 180° on no force between n₁ and n₂ is a sum of them: at a right angle, where μ₁μ₂ ≥ 1.
 //!
-//! From there on the cones of friction of two flat faces of one body, too, hold forces against each other. As far as statics goes
-//! they bear any load then, even one that draws the body out from between the faces. But those forces have to come from elasticity,
-//! and a body that nothing has pressed in before is not pressed by being drawn out: it has none.
+//! From there on the cones of friction of two flat faces of one body contain opposite forces, too. By statics alone they bear any
+//! load then, even one that draws the body out from between the faces. But those forces have to come from elasticity, and a body
+//! that was not pressed in before is not pressed by being drawn out: it has no such forces.
 
 use crate::dual::{Block, Friction, Multipliers};
 use crate::fem::show;
@@ -32,7 +32,7 @@ const FLAT: f64 = 1e-9;
 /// A rough face at a node, or a flat one: its normal and coefficient.
 type Face<const D: usize> = (Point<D>, f64);
 
-/// What to do about the first node that two rough faces jam, of those that press both or overlap them under some forces.
+/// Advice about the first node that two rough faces jam, among the nodes that press both faces or overlap them under some forces.
 pub(crate) fn jammed<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -62,7 +62,7 @@ pub(crate) fn jammed<const D: usize>(
     })
 }
 
-/// What to do about the first floating body that two flat rough faces jam.
+/// Advice about the first floating body that two flat rough faces jam.
 pub(crate) fn wedged<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> Option<Advice> {
     let mut blocks = condensed.problem.admissible.blocks().iter();
     let mut faces: BTreeMap<usize, Vec<Face<D>>> = BTreeMap::new();
@@ -99,7 +99,7 @@ fn first_jam<const D: usize>(faces: &[Face<D>]) -> Option<([f64; 2], f64)> {
     pairs.map(|(i, j)| [faces[i], faces[j]]).find_map(jam)
 }
 
-/// Coefficients of two faces that jam, and below which they do not.
+/// Coefficients of two faces that jam, and the limit below which they do not.
 fn jam<const D: usize>([first, second]: [Face<D>; 2]) -> Option<([f64; 2], f64)> {
     let between = dot(first.0, second.0).clamp(-1.0, 1.0).acos();
     let coefficients = [first.1, second.1];
@@ -108,7 +108,7 @@ fn jam<const D: usize>([first, second]: [Face<D>; 2]) -> Option<([f64; 2], f64)>
     (between < PI - SLIT && enclosed >= PI).then_some((coefficients, limit))
 }
 
-/// Of a law whose bound grows with the normal force.
+/// The coefficient of a law whose bound grows with the normal force.
 fn coefficient(block: &Block) -> Option<f64> {
     match block {
         Block::Frictional {

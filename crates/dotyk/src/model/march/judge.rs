@@ -1,8 +1,8 @@
 //! The judge of contact forces: gaps, reactions, resultants and energies of the displacements that they cause.
 //!
 //! All of it is computed from u and λ afresh, not taken from F and d, so that an error of the condensation cannot hide.
-//! The energy gap is that of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r what the
-//! nodal forces of any body leave unbalanced.
+//! The energy gap is the difference of the potential and the complementary energy, Π(u) − Π*(σ, λ) = λ·gap − r·u, with r the
+//! unbalanced nodal forces of all bodies.
 
 use crate::contact::{Coupling, Row};
 use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed};
@@ -35,32 +35,32 @@ use rayon::prelude::*;
 /// A force below this part of the largest is rounding of the linear solves: such a contact holds no body.
 const NO_FORCE: f64 = 1e-12;
 
-/// Energies below this part of what bodies would store without their contacts are differences of these: where ties hand a load
-/// to supports, nothing is strained.
+/// Energies below this part of those without contacts are rounding of these: where ties pass a load on to supports, no body is
+/// strained.
 const NO_ENERGY: f64 = 1e-7;
 
-/// Gaps and overlaps below this part of the length of the problem are nothing to be told of.
+/// Gaps and overlaps below this part of the length of the problem are not reported.
 const APART: f64 = 1e-6;
 
 /// An overlap of held nodes up to this part of the length of the problem is one of polygons and averages.
 const DEEP: f64 = 1e-2;
 
-/// Displacements under some contact forces, and what is judged of them.
+/// Displacements under some contact forces, and their judgement.
 pub(crate) struct Judged<const D: usize> {
     pub displaced: Displaced<D>,
     /// What was checked.
     pub certificate: Certificate,
-    /// Where two sides overlap most between their nodes.
+    /// The deepest overlap of two sides between their nodes.
     pub overlap: Option<Overlap<D>>,
-    /// Where a body stands in what it should not, if that was looked for.
+    /// The worst intrusion of a body, if that was looked for.
     pub intrusion: Option<Intrusion<D>>,
-    /// What is to be told of bodies whose contact is not there.
+    /// Remarks on bodies whose contact is inactive.
     pub remarks: Vec<String>,
 }
 
 impl<const D: usize> Judged<D> {
-    /// Looks for bodies that stand in each other, under the forces `lambda` (m,): once an answer is found, because no contact
-    /// force can change it.
+    /// Looks for overlapping bodies under the forces `lambda` (m,): only once an answer is found, because no contact force can change
+    /// them.
     pub fn look_for_intrusion(
         &mut self,
         stage: &Stage<'_, D>,
@@ -74,13 +74,13 @@ impl<const D: usize> Judged<D> {
     }
 }
 
-/// Displacements of all bodies under some contact forces, and their certificate; if some were found `before`, as what a change
-/// of the forces (m,) adds to these: rounding, which a slender body magnifies, is then the same in both, and a correction does
-/// what it should.
+/// Displacements of all bodies under some contact forces, and their certificate. With displacements found `before`, the increments
+/// of a change of the forces (m,) are added to these: rounding, which a slender body magnifies, is then the same in both, and a
+/// correction is effective.
 ///
-/// What presses may let its body move; where it then is, is asked only of an answer, because corrections go on from the amplitudes
-/// that the solver gave. It is taken where it is an answer still, and where the solver has carried a body farther than its own
-/// length without a reason: what that leaves is rounding, and no answer is better than this one.
+/// A pressed body may still be free to move. It is placed by least norm only in an answer, because corrections go on from the
+/// amplitudes of the solver. The placement is kept where the certificate still holds, and where the solver has moved a body farther
+/// than its own length without a reason: such displacements are dominated by rounding, and no answer is better than this one.
 pub(crate) fn judge<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -110,12 +110,12 @@ fn strays<const D: usize>(model: &Model<D>, placed: [&Displaced<D>; 2]) -> bool 
     })
 }
 
-/// What is placed by least norm.
+/// Bodies that are placed by least norm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Placed {
-    /// What no contact controls, and what touches nothing.
+    /// Motions that no contact controls, and bodies without contact.
     Hovering,
-    /// Beside these what is pressed by contacts that let it move.
+    /// Also bodies pressed by contacts that let them move.
     Loose,
 }
 
@@ -232,7 +232,7 @@ fn displaced<const D: usize>(
     })
 }
 
-/// Lengths in a contact that are nothing to be told of: a part of the length of its domain, and what is rounding there.
+/// Negligible lengths in a contact: a part of the length of its domain, and the rounding there.
 fn negligible<const D: usize>(
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
@@ -264,7 +264,7 @@ fn deepest_overlap<const D: usize>(
     worst
 }
 
-/// Where the sides of each contact overlap most because nodes were told to take no part: contact, undeformed position, depth.
+/// The deepest overlap of the sides of each contact at excluded nodes: contact, undeformed position, depth.
 pub(crate) fn left_to_overlap<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -281,7 +281,7 @@ pub(crate) fn left_to_overlap<const D: usize>(
 }
 
 /// Nodes that supports push into the other side: the deepest of each contact, its undeformed position and depth. No condition
-/// keeps it out, and what its neighbours overlap beside it, which the mesh may hide, says little of it.
+/// keeps it out, and the overlap of its neighbours, which the mesh may hide, says little about it.
 pub(crate) fn held_to_overlap<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -298,18 +298,18 @@ pub(crate) fn held_to_overlap<const D: usize>(
     contacts.filter_map(deepest).collect()
 }
 
-/// Forces and gaps between the nodes of a contact that tell different things, since its facets are too large to see it.
+/// A contradiction between the force of a contact and the gaps between its nodes, because its facets are too large.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Blur {
-    /// It bears a force although its sides are so far apart everywhere.
+    /// It bears a force although its sides are everywhere at least this far apart.
     Apart(f64),
-    /// It bears none although they overlap by so much.
+    /// It bears no force although its sides overlap by this depth.
     Unborne(f64),
-    /// It bears one, but they have sunk into each other by most of what they have moved.
+    /// It bears a force, but its sides have sunk into each other by this depth, most of their motion.
     Sunk(f64),
 }
 
-/// Contacts whose forces and gaps between nodes tell different things, by their index.
+/// Contacts whose forces and gaps between nodes contradict each other, by their index.
 pub(crate) fn blurred<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -329,7 +329,7 @@ pub(crate) fn blurred<const D: usize>(
         }
         let nearest = smallest_gap(condition, &moved, bears);
         let rounding = negligible(condensed, displaced, contact, APART);
-        // forces within the tolerance may be or not be
+        // forces within the tolerance may be there or not
         let force = largest(lambda);
         let blur = match nearest {
             Some(gap) if force > some && gap > rounding => Some(Blur::Apart(gap)),
@@ -378,20 +378,19 @@ fn implied_violations<const D: usize>(
 
 /// Motions that the contact forces leave open.
 struct OpenMotions {
-    /// Combinations (r,) of modes that no contact controls, or of bodies that touch nothing.
+    /// Combinations (r,) of modes that no contact controls, or of bodies without contact.
     motions: Vec<SparseVector>,
     /// Those of pressed bodies.
     loose: Vec<SparseVector>,
     /// Rows (m,) whose gaps limit them: open contacts. Pressed ones they do not change, and slips are free.
     limits: Vec<bool>,
-    /// Bodies that hover: alone, or with those that ties and couples make move with them, where no other contact of theirs
-    /// bears a force.
+    /// Bodies that hover: single ones, or groups joined by ties and couples, whose other contacts bear no force.
     hovering: Vec<String>,
 }
 
-/// Combinations of modes that no contact can control, and those of single bodies, or of such as ties and couples make move
-/// together, that leave alone what is tied or pressed: a ball on one node of its own may turn about it until the next one
-/// touches, and where in between it ends no force tells.
+/// Combinations of modes that no contact can control, and motions of single bodies, or of groups joined by ties and couples, that
+/// change no tied or pressed row: a ball on one node may turn about it until the next node touches, and no force determines its
+/// position in between.
 ///
 /// Errors: a split of the modes that does not succeed.
 fn open_motions<const D: usize>(
@@ -440,7 +439,7 @@ fn open_motions<const D: usize>(
     let parts = Parts::of(model);
     for group in groups(bodies, &free) {
         let left = floating.left_by(&group, |row| bears[row])?;
-        // what no contact of theirs controls is there already
+        // motions that no contact controls are in the list already
         if left.len() == floating.left_by(&group, |_| true)?.len() {
             continue;
         }
@@ -462,7 +461,7 @@ fn open_motions<const D: usize>(
     Ok(open)
 }
 
-/// Parts that ties and couples, which are the `free` rows (m,), make move together; each alone that has none.
+/// Groups of parts joined by ties and couples, the `free` rows (m,); a part without these is a group by itself.
 fn groups<const D: usize>(bodies: &[LoadedBody<D>], free: &[bool]) -> Vec<Vec<usize>> {
     // the group of every part, and that of every row met so far
     let mut group: Vec<usize> = (0..bodies.len()).collect();
@@ -515,7 +514,7 @@ fn certify<const D: usize>(
     problem.certify_with(multipliers, &recomputed, model.solver.tolerance)
 }
 
-/// What the displacements tell of every domain.
+/// Figures of every domain from the displacements.
 ///
 /// The gap of potential and complementary energy is the sum over the bodies of 2·energy − f·u − R·u_D, and λ·g₀; friction takes its
 /// share, bound·|slip|: λ·gap of the tangential rows is minus that where its law holds.
@@ -585,8 +584,8 @@ fn of_domains<const D: usize>(
     found
 }
 
-/// Energy that what joints and bars bear besides the forces of their rows would store alone, by row: where these forces take it
-/// back, what is left of it is rounding.
+/// Energy that the offsets of joints and bars, their forces besides those of the rows, would store alone, by row: where the row
+/// forces cancel the offsets, the remainder is rounding.
 fn of_base<const D: usize>(condensed: &Condensed<D>) -> impl Iterator<Item = (usize, f64)> {
     let rows =
         row_ranges(&condensed.conditions).flat_map(|(rows, condition)| rows.zip(&condition.offset));
@@ -594,8 +593,8 @@ fn of_base<const D: usize>(condensed: &Condensed<D>) -> impl Iterator<Item = (us
     rows.map(|(row, offset)| (row, 0.5 * offset * offset * softness[row]))
 }
 
-/// Elastic energy that stressed ground would release without its contacts, by body: beside it, energies of ground at rest are
-/// rounding.
+/// Elastic energy that stressed ground would release without its contacts, by body: relative to it the energies of ground at rest
+/// are rounding.
 fn at_rest<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,

@@ -1,4 +1,4 @@
-//! From step to step: the loop around solver and certificate, the judge, and what a step leaves to the next one.
+//! From step to step: the loop around solver and certificate, the judge, and the state passed on to the next step.
 
 pub mod attempt;
 pub mod between;

@@ -1,4 +1,4 @@
-//! Why an attempt is no answer.
+//! Reasons why an attempt is not an answer.
 
 use crate::dual::Multipliers;
 use crate::fem::{RigidBasis, describe_motion, fit_rigid};
@@ -14,18 +14,17 @@ use crate::model::system::condense::Condensed;
 use crate::model::system::condition::carriers;
 use crate::model::system::parts::part_name;
 
-/// A body that gives way so many times as much as its cells do leaves the gaps few digits.
+/// A body whose compliance exceeds that of its cells by this factor leaves the gaps few digits.
 const SLENDER: f64 = 1e9;
 
-/// Below this residual forces of a crowd are worth a look.
+/// Below this residual the forces of a crowd are nearly an answer.
 const ROUGH: f64 = 1e-3;
 
-/// A turn in radians that no body makes in the theory of small rotations, and how many times its strains it is beyond what
-/// loads ask for.
+/// A turn in radians beyond the theory of small rotations, and the ratio of turn to strain above which loads do not explain it.
 const FAR: f64 = 1.0;
 const UNDRIVEN: f64 = 100.0;
 
-/// Why an attempt is not an answer; nothing where it is one.
+/// Why an attempt is not an answer; `None` where it is one.
 pub(crate) fn objection<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -76,10 +75,10 @@ pub(crate) fn objection<const D: usize>(
     }
 }
 
-/// A floating body that turns by more than a radian although hardly strained: in numbers of small rotations the forces may
-/// balance there, and the gaps be closed, but no body is where they say.
+/// A floating body that turns by more than a radian although hardly strained: in the theory of small rotations the forces may
+/// balance and the gaps be closed, but a real body would not be there.
 ///
-/// Beside large strains a large turn is what the loads ask for: then they are large, and a warning tells it.
+/// With large strains a large turn comes from large loads, and a warning reports it.
 fn turned<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -114,7 +113,7 @@ fn turned<const D: usize>(
     })
 }
 
-/// What to try where an iteration did not settle.
+/// Advice where an iteration did not settle.
 fn advice<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -136,10 +135,10 @@ fn advice<const D: usize>(
     }
 }
 
-/// The body that gives way most beside what its cells do, and how many times that, where it leaves few digits.
+/// The body whose compliance is largest relative to that of its cells, and that ratio, where it leaves few digits.
 fn slender<const D: usize>(model: &Model<D>, condensed: &Condensed<D>) -> Option<(String, f64)> {
     let softness = &condensed.problem.softness;
-    // of the bodies at a contact the one of softer material: the other may give way with it
+    // of the bodies at a contact the one of softer material: the other may move with it
     let mut softest = vec![(usize::MAX, f64::INFINITY); softness.len()];
     for (index, body) in condensed.bodies.iter().enumerate() {
         let diagonal = body.system.stiffness.diagonal();

@@ -1,9 +1,9 @@
-//! What rounding leaves open of contact forces.
+//! Uncertainty of contact forces by rounding.
 //!
-//! Multipliers that are finer than the softer side have forces that it answers alike: those that differ by a null vector of its part
-//! of F. The stiffer side alone tells them apart, by gaps δg = F δλ that may be less than what is known of any gap, the rounding of
-//! displacements and of the coordinates that first gaps are measured between. So the exact step of the answer's states is asked what δλ
-//! such gaps bring (`solve/correct.rs`), and the certificate compares it with the forces of the contact.
+//! Where multipliers are finer than the softer side, that side responds alike to forces that differ by a null vector of its part of
+//! F. Only the stiffer side distinguishes them, by gaps δg = F δλ that may be less than the uncertainty of any gap: the rounding of
+//! displacements and of the coordinates from which initial gaps are measured. So the exact step with the answer's states gives the δλ
+//! of such gaps (`solve/correct.rs`), and the certificate compares it with the forces of the contact.
 
 use crate::dual::Multipliers;
 use crate::geometry::{Point, add_scaled, norm};
@@ -15,11 +15,11 @@ use crate::solve::{FREE, left_open};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// What rounding leaves open of the forces on nodes whose contacts have multipliers finer than the softer side (m,), zero at others;
-/// `None` without such a contact.
+/// Uncertainty of the forces on nodes whose contacts have multipliers finer than the softer side (m,), zero at others; `None` without
+/// such a contact.
 ///
-/// The gaps of an answer are known to the rounding of the displacements, those at first to that of the coordinates where they are
-/// measured. How the conditions of a node share its force is not asked: a corner has more of them than it needs.
+/// The gaps of an answer are known to the rounding of the displacements, measured initial gaps to that of the coordinates. The share
+/// of the single conditions in the force of a node does not count: a corner has more conditions than it needs.
 pub(crate) fn open_forces<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -39,7 +39,7 @@ pub(crate) fn open_forces<const D: usize>(
         let points = model.bodies[condition.nonmortar.body.0].mesh.points();
         let coordinates = points.iter().flatten();
         let far = coordinates.fold(0.0, |s: f64, x| s.max(x.abs()));
-        // what touches at first has gaps of zero, and those are exact
+        // initial gaps of zero are exact
         let measured = condition
             .interface
             .carriers()
@@ -64,7 +64,7 @@ pub(crate) fn open_forces<const D: usize>(
     Some(open)
 }
 
-/// The contact in words with the force that rounding leaves most open.
+/// The contact, in words, with the most uncertain force.
 pub(crate) fn most_open<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -79,8 +79,8 @@ pub(crate) fn most_open<const D: usize>(
     Some(condition.called())
 }
 
-/// The size of the force that all rows together have on the node of each (m,): where contacts meet they may push a node by forces of
-/// which others take as much back, and those move nothing.
+/// Size of the force of all rows together on the node of each row (m,): where contacts meet, their forces on a node may cancel, and
+/// such forces move no body.
 fn on_nodes<const D: usize>(conditions: &[Condition<D>], forces: &[f64]) -> Vec<f64> {
     let mut sums: BTreeMap<(usize, usize), Point<D>> = BTreeMap::new();
     for (rows, condition) in row_ranges(conditions) {

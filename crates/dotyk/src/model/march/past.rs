@@ -1,9 +1,9 @@
 //! Load steps that were solved before, as their results tell: a run goes on behind them.
 //!
-//! Nothing of a step is taken on trust. Its forces are where the solver begins, which leaves it nothing to do where they are
-//! the answer; the answer is judged like any other, and must then have the forces that were recorded, and move and strain
-//! every body as much: forces alone say nothing of stiffnesses that change together. Forces of couples are not recorded:
-//! where there are some, each step begins where the one before it ended, as it did when it was solved first.
+//! A recorded step is verified. The solver begins with its forces, which takes no iterations where they are the answer; the
+//! answer is judged like any other, and must have the recorded forces, displacements and strain energies: forces alone do not
+//! show stiffnesses that change together. Forces of couples are not recorded: with couples each step begins where the one
+//! before it ended, as it did when it was solved first.
 
 use crate::contact::InterfaceNode;
 use crate::dual::Multipliers;
@@ -31,7 +31,7 @@ pub struct Past<const D: usize> {
     pub bodies: Vec<PastBody>,
 }
 
-/// What a body did in a step that was solved before.
+/// Results of a body in a step that was solved before.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PastBody {
     /// Its name.
@@ -40,7 +40,7 @@ pub struct PastBody {
     pub max_displacement: f64,
     /// Its strain energy.
     pub strain_energy: f64,
-    /// What had yielded of it at the points of its stiffness, where that is known: as
+    /// Its plastic strain at the points of its stiffness, where known: as
     /// [`Yielding::points`](crate::model::Yielding::points).
     pub yielded: Option<Vec<[f64; 8]>>,
 }
@@ -52,13 +52,13 @@ pub struct PastNode<const D: usize> {
     pub node: usize,
     /// ∫ψ, an area.
     pub weight: f64,
-    /// NaN where it has none.
+    /// NaN where it has no gap.
     pub gap: f64,
     /// NaN where it is no unknown.
     pub pressure: f64,
     /// Traction along the interface on the nonmortar body.
     pub shear: Point<D>,
-    /// What it does.
+    /// Its state.
     pub status: Status,
 }
 
@@ -99,7 +99,7 @@ impl<const D: usize> From<&BodySolution<D>> for PastBody {
 /// certificate bounds gaps, and forces are known to a few digits less.
 const SAME: f64 = 100.0;
 
-/// Displacements and energies below this part of those that the loads would cause without contacts are rounding: bodies are at rest.
+/// Displacements and energies below this part of those without contacts are rounding: bodies are at rest.
 const REST: f64 = 1e-13;
 
 /// Weights that differ by less, relative to their size, are those of the same mesh.
@@ -134,8 +134,8 @@ pub(crate) fn check_past<const D: usize>(
     }
 }
 
-/// The forces of a step that was solved before, and the amplitudes of the rigid motions that its gaps tell. Those of couples,
-/// which are not recorded, are zero.
+/// The forces of a step that was solved before, and the amplitudes of the rigid motions from its gaps. Forces of couples, which
+/// are not recorded, are zero.
 ///
 /// Errors: other contacts, nodes or weights; forces that are not finite.
 pub(crate) fn recorded<const D: usize>(
@@ -173,8 +173,8 @@ pub(crate) fn recorded<const D: usize>(
     Ok(multipliers)
 }
 
-/// Forces and known gaps of the rows of a contact, at whose nodes `bearing` is the weight that has the pressure, where that pulls
-/// or not, and `shears` are the parts of the shear that the contacts there bear.
+/// Forces and known gaps of the rows of a contact. At its nodes `bearing` is the weight of the pressure, by whether that is a
+/// tension, and `shears` are the parts of the shear borne by the contacts there.
 fn of_contact<const D: usize>(
     name: &str,
     condition: &Condition<D>,
@@ -206,7 +206,7 @@ fn of_contact<const D: usize>(
             // the rows push the nonmortar body by −λ
             let whole = then.weight / shears(place)[0];
             lambda[row] = -dot(then.shear, *direction) * whole;
-            // what sticks has not moved in this step
+            // a sticking node has not moved in this step
             gaps[row] = matches!(then.status, Status::Stick | Status::Tied).then_some(0.0);
         }
         let mut forces = now.rows.iter().flatten().map(|&row| lambda[row]);
@@ -267,9 +267,9 @@ fn amplitudes(columns: &[SparseVector], motion: &[Option<f64>], mut alpha: Vec<f
     alpha
 }
 
-/// What had yielded of the bodies in a recorded step, as a load: where the search for it begins.
+/// Plastic strains of the bodies in a recorded step, as a load: the start of the search.
 ///
-/// Errors: what is of another mesh; what cannot be loaded.
+/// Errors: strains of another mesh, or that cannot be applied as a load.
 pub(crate) fn assume_recorded<const D: usize>(
     condensed: &mut Condensed<D>,
     model: &Model<D>,
@@ -295,7 +295,7 @@ pub(crate) fn assume_recorded<const D: usize>(
     Ok(Ok(()))
 }
 
-/// Errors: bodies that move or are strained otherwise than in the recorded step.
+/// Errors: displacements or strain energies other than in the recorded step.
 pub(crate) fn same_bodies<const D: usize>(
     (condensed, model): (&Condensed<D>, &Model<D>),
     recorded: &[PastBody],
@@ -311,7 +311,7 @@ pub(crate) fn same_bodies<const D: usize>(
         ));
     }
     type Figure = (&'static str, fn(&PastBody) -> f64, f64);
-    // what loads would do to bodies alone, where contacts take it back
+    // displacements by loads alone, where contacts cancel them
     let scales = &condensed.problem.scales;
     let figures: [Figure; 2] = [
         ("moved", |body| body.max_displacement, scales.length),
@@ -381,7 +381,7 @@ mod tests {
             panic!("two modes")
         };
         assert!((a - 0.5).abs() < 1e-14 && (b - 0.25).abs() < 1e-14);
-        // nothing known: nothing moves
+        // no known gap: no motion
         assert_eq!(amplitudes(&columns, &[None; 4], vec![0.0; 2]), [0.0; 2]);
     }
 }

@@ -1,10 +1,10 @@
-//! What a solved model leaves to others: nothing is made twice that is the same in both.
+//! Data of a solved model that other models reuse: equal parts are not made twice.
 
 use crate::model::read::view::View;
 use crate::model::system::condense::Condensed;
 
-/// What a solved model leaves for the next one: its bodies condensed onto the contact. A model of the same stiffness takes all of it
-/// up, any other one the bodies that are the same.
+/// Data of a solved model for the next one: its bodies condensed onto the contact. A model of the same stiffness reuses all of it,
+/// any other model the equal bodies.
 #[derive(Default)]
 pub struct Reuse<const D: usize> {
     pub(crate) kept: Option<(Condensed<D>, View<D>)>,

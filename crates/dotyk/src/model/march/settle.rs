@@ -7,11 +7,11 @@ use crate::model::system::bodies::LoadedBody;
 use crate::model::system::floating::Floating;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a motion of unit size closes of a gap: below this, rounding.
+/// A change of a gap by a motion of unit size below this is rounding.
 const NOTHING: f64 = 1e-12;
 
-/// A motion of which others leave no more than this part is one of theirs: lists of motions overlap where a body that nothing
-/// controls in one direction touches nothing. What rounding leaves of it is no motion, and made to unit size it strains.
+/// A motion is dependent on others if at most this part of it is orthogonal to them. Lists of motions overlap where a body that is
+/// uncontrolled in one direction has no contact. The remainder is rounding, and scaled to unit size it would strain the body.
 const DEPENDENT: f64 = 1e-9;
 
 /// Nodal displacements of the bodies that a rigid motion moves.
@@ -57,15 +57,15 @@ impl Motion {
     }
 }
 
-/// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration. Gives what is
-/// to be added to the amplitudes of all modes, (r,).
+/// Chooses the rigid amplitudes that the contact leaves open: least norm of the displacement without penetration. Returns the
+/// change of the amplitudes of all modes, (r,).
 ///
-/// The amplitudes before may be as large as the bodies, what is left of them hardly anything: taken away from the displacement
-/// of every node, they would leave their rounding there, each node another, and that strains. So they are to be added to
-/// amplitudes.
+/// The previous amplitudes may be as large as the bodies, and the remaining motion tiny. Subtracted from the displacement of every
+/// node they would leave a different rounding at each node, which strains the body. So the change must be added to amplitudes.
 ///
-/// The norm is that of the first `counted` parts: points of couples go with their sides. `free` lists combinations of modes, (r,) each; `elastic` and `rigid` are the two parts of the nodal displacements of all
-/// bodies in their frames; `gaps` (m,) are those that must not become negative.
+/// The norm is that of the first `counted` parts: points of couples follow their sides. `free` lists combinations of modes, (r,)
+/// each; `elastic` and `rigid` are the two parts of the nodal displacements of all bodies in their frames; `gaps` (m,) are those
+/// that must not become negative.
 pub(crate) fn settle<const D: usize>(
     bodies: &[LoadedBody<D>],
     floating: &Floating,
@@ -82,7 +82,7 @@ pub(crate) fn settle<const D: usize>(
         let part: f64 = motion.moved.range(..counted).map(along).sum();
         settled.add(-part, motion);
     }
-    // by how much each motion closes a gap
+    // closing of each gap by each motion
     let changes: Vec<BTreeMap<usize, f64>> = motions.iter().map(|m| closed_by(bodies, m)).collect();
     let entries = changes.iter().flatten();
     let beyond_rounding = entries.filter(|(_, change)| change.abs() > NOTHING);
@@ -97,7 +97,7 @@ pub(crate) fn settle<const D: usize>(
                 .collect()
         };
         let closing: Vec<Vec<f64>> = rows.iter().map(of_row).collect();
-        // where rounding leaves no place, all stays where it is
+        // where rounding leaves no admissible place, no body moves
         let Some(least) = least_norm_within(&closing, &bounds, motions.len()) else {
             return SparseVector::new(floating.modes.len(), []);
         };
@@ -115,7 +115,7 @@ fn orthonormal(all: impl Iterator<Item = Motion>, counted: usize) -> Vec<Motion>
     let mut motions: Vec<Motion> = Vec::new();
     for mut motion in all {
         let whole = size(&motion);
-        // twice: the second pass removes what rounding left
+        // twice: the second pass removes rounding
         for other in motions.iter().chain(&motions) {
             let part = inner(&motion.moved, &other.moved, counted);
             if part != 0.0 {
@@ -131,7 +131,7 @@ fn orthonormal(all: impl Iterator<Item = Motion>, counted: usize) -> Vec<Motion>
     motions
 }
 
-/// By how much a motion closes the gaps of rows.
+/// Change of the gaps of rows by a motion, closing positive.
 fn closed_by<const D: usize>(bodies: &[LoadedBody<D>], motion: &Motion) -> BTreeMap<usize, f64> {
     let mut closed = BTreeMap::new();
     for (&body, u) in &motion.moved {

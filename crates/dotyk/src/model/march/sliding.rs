@@ -1,9 +1,9 @@
 //! Loss of equilibrium: a load that no friction can hold is an answer, which names body, motion and load factor.
 //!
 //! The load is infeasible: no forces within the friction cones balance it. If unlimited friction could, the body slides; if
-//! not, it tips about what it goes on to touch, somewhere between the load of the step before and that of this one; else the load
-//! pulls it away from everything that could hold it: an error of the model. The load may be feasible and slide all the same,
-//! where the normal forces that would bear it are not those that elasticity gives.
+//! not, it tips about a contact that stays closed, somewhere between the load of the step before and that of this one; else the
+//! load pulls it away from everything that could hold it: an error of the model. A body may also slide under a feasible load,
+//! where the normal forces that would bear it are not those that follow from elasticity.
 
 use crate::dual::{AdmissibleSet, Feasibility};
 use crate::model::nouns::error::{Error, Objection};
@@ -13,13 +13,13 @@ use crate::model::system::condense::Condensed;
 use crate::model::system::condition::Condition;
 use crate::model::system::floating::Floating;
 
-/// A change of load of which no more than this part is held is held by nothing.
+/// A change of load counts as not held if at most this part of it is held.
 const NOTHING: f64 = 1e-6;
 
-/// What gives way under a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are
-/// the times of the step before and of this one, and e of the one before.
+/// The objection to a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are the
+/// times of the step before and of this one, and e of the one before.
 ///
-/// Errors: the body that nothing holds.
+/// Errors: the body that is not held.
 pub(crate) fn sliding<const D: usize>(
     model: &Model<D>,
     (floating, bodies, conditions): (&Floating, &[LoadedBody<D>], &[Condition<D>]),
@@ -47,7 +47,7 @@ pub(crate) fn sliding<const D: usize>(
     })
 }
 
-/// What may be exhausted where a load is not held.
+/// The resistance that may be exhausted where a load is not held.
 fn gives_way<const D: usize>(model: &Model<D>) -> &'static str {
     let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
     let friction = !model.contacts.iter().all(|contact| smooth(&contact.law));
@@ -59,7 +59,7 @@ fn gives_way<const D: usize>(model: &Model<D>) -> &'static str {
     }
 }
 
-/// What slides along `direction` (r,) under a load of which friction, with the normal forces that elasticity gives, bears the
+/// The objection to a load along `direction` (r,) of which friction, with the normal forces that follow from elasticity, bears the
 /// part `factor`.
 pub(crate) fn slides_along<const D: usize>(
     model: &Model<D>,

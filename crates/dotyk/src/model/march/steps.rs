@@ -1,4 +1,4 @@
-//! Load steps: each from the answer of the one before it, until one has none.
+//! Load steps: each from the answer of the one before it, until a step has no answer.
 
 use crate::dual::Multipliers;
 use crate::fem::FemError;
@@ -29,25 +29,25 @@ use std::mem::take;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What a run of load steps is given besides the model.
+/// Input of a run of load steps besides the model.
 #[derive(Clone, Copy)]
 pub(crate) struct Given<'a, const D: usize> {
     /// The first steps, which were solved before.
     pub past: &'a [Past<D>],
-    /// A solver of the caller's own for the others, instead of the model's method.
+    /// A solver of the caller for the other steps, instead of the model's method.
     pub own: Option<&'a dyn ContactSolver>,
 }
 
 impl<const D: usize> Given<'_, D> {
-    /// Nothing.
+    /// No past steps, no solver from outside.
     pub const NONE: Self = Self {
         past: &[],
         own: None,
     };
 }
 
-/// Solves all load steps of a valid model, in the order of the times; an observer is told what happens. What is in `reuse`
-/// serves a model of the same stiffness, and is left there.
+/// Solves all load steps of a valid model, in the order of the times, with an observer of the events. The data in `reuse` serve a
+/// model of the same stiffness, and those of this model are left there.
 ///
 /// Errors: see [`Error`]; `NotConverged` carries the last iterate and the steps before it.
 pub(crate) fn solve_steps<const D: usize>(
@@ -68,9 +68,9 @@ pub(crate) fn solve_steps<const D: usize>(
     solved.map(|()| march.done)
 }
 
-/// The dual problem of the load step at a time, of at most `dense_limit` assembled unknowns, and the stage that it is of.
-/// Friction counts the slip since the last of the model's steps before it, and stages go on from where the last ones ended:
-/// these are solved where there is either, and nothing else depends on them.
+/// The dual problem of the load step at a time, with at most `dense_limit` assembled unknowns, and its stage. Friction counts the
+/// slip since the last of the model's steps before that time, and stages go on from the end of the earlier ones: the steps before
+/// are solved only if there is friction or there are stages.
 ///
 /// Errors: those of [`solve_steps`].
 pub(crate) fn condense_step<const D: usize>(
@@ -95,7 +95,7 @@ pub(crate) fn condense_step<const D: usize>(
     Ok((stage.into_owned(), here))
 }
 
-/// Errors: a body that yields, which no dual problem with one F tells of.
+/// Errors: a body that yields, which no dual problem with one F describes.
 pub(crate) fn check_linear<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
     let why = "makes bodies answer otherwise than in proportion to what acts on them: their dual problem is none for other solvers; leave it out, or run the case";
     match model.bodies.iter().find(|body| body.is_plastic()) {
@@ -104,19 +104,19 @@ pub(crate) fn check_linear<const D: usize>(model: &Model<D>) -> Result<(), Error
     }
 }
 
-/// A stage at the time of a step, and what its steps are looked at with.
+/// A stage at the time of a step, and the view by which its steps are read.
 type Here<const D: usize> = (Condensed<D>, View<D>);
 
-/// The load steps that are done, and what the next one begins from.
+/// The finished load steps, and the start of the next one.
 struct March<'m, const D: usize> {
     done: Vec<Solution<D>>,
-    /// What the last step left.
+    /// State after the last step.
     state: Option<State<D>>,
     /// The stage that is there now.
     stage: Option<Stage<'m, D>>,
     here: Option<Here<D>>,
     dense_limit: usize,
-    /// Things come and go between the steps of the whole model.
+    /// Parts come and go between the steps of the whole model.
     staged: bool,
 }
 
@@ -202,11 +202,11 @@ impl<'m, const D: usize> March<'m, D> {
     }
 }
 
-/// What a step leaves, its solution, and why it is not an answer.
+/// State after a step, its solution, and why it is not an answer.
 type Solved<const D: usize> = (State<D>, Solution<D>, Option<Objection<D>>);
 
-/// Solves the contact problem of a step that was solved before: from its forces to the same forces, or from those of the step
-/// before it where some are not recorded.
+/// Solves the contact problem of a step that was solved before, from its forces, which must result again, or from those of the
+/// step before where some are not recorded.
 fn solve_again<const D: usize>(
     stage: &Stage<'_, D>,
     here: &mut Here<D>,
@@ -232,8 +232,8 @@ fn solve_again<const D: usize>(
     Ok((state, solution, None))
 }
 
-/// Solves the contact problem of one step, by a solver of the caller's own or by the model's method, from given forces or from those
-/// of the step before. What comes out has the reason with it where it is not an answer.
+/// Solves the contact problem of one step, by a solver of the caller or by the model's method, from given forces or from those of the
+/// step before. A result that is not an answer carries the reason.
 fn solve_step<const D: usize>(
     stage: &Stage<'_, D>,
     (condensed, view): &mut Here<D>,
@@ -299,7 +299,7 @@ fn slip<const D: usize>(
             slip[row] = match (tangential, slackens) {
                 (false, _) => 0.0,
                 (true, false) => now,
-                // what a slack bar gives way is not plastic
+                // the elongation of a slack bar is not plastic
                 (true, true) => now.max(before),
             };
         }

@@ -2,16 +2,16 @@
 //!
 //! A shear that a whole joint bears may lift a node off, and without it the node is pressed on again: then neither a whole nor a
 //! parted joint is in equilibrium there. On the way to the load of the step it has parted, which cannot be undone: it is lost
-//! in this step already, and what its friction bears is the answer.
+//! in this step already, and the answer is that of its friction.
 //!
-//! A gap or a slip is one where it is more than what the answer is known to: rounding of displacements, and of forces in what
-//! they displace, and what the largest error that the certificate lets pass in a force closes or opens at the node by itself,
+//! A gap or a slip counts where it exceeds the uncertainty of the answer: rounding of displacements, rounding of forces times
+//! compliance, and the gap change at the node by the largest error of a force that the certificate accepts,
 //!
 //! ```text
 //!   |gap| > ε (max|u| + Fᵢᵢ max|λ|) + 10 tolerances · cᵢ max|λ|,      cᵢ = Σ b²/K
 //! ```
 //!
-//! with the forces of what contacts couple with it, and the dofs b/K of the row. Fᵢᵢ is large where supports are weak, cᵢ is not.
+//! with the largest force of its domain, and the dofs b/K of the row. Fᵢᵢ is large where supports are weak, cᵢ is not.
 
 use crate::contact::InterfaceNode;
 use crate::dual::{FORCE_LIMIT, NONE, ROUNDING};
@@ -28,13 +28,13 @@ use crate::solve::{Shear, State, torn as torn_component};
 
 /// A node of a joint that is lost on the way to the end of a step.
 pub(crate) struct Torn {
-    /// What is then lost, by contact and node.
+    /// Lost nodes, by contact and node.
     pub lost: Vec<Vec<bool>>,
-    /// What the user should know of it.
+    /// A remark for the user.
     pub words: String,
 }
 
-/// A node of a joint that has no state of its own, where an attempt found no answer.
+/// A node of a joint without a state of equilibrium, where an attempt found no answer.
 pub(crate) fn torn<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -65,7 +65,7 @@ pub(crate) fn torn<const D: usize>(
     Some(Torn { lost, words })
 }
 
-/// What is lost after a step, by contact and node, and what the user should know of it.
+/// Nodes of joints lost after a step, by contact and node, with a remark for the user.
 pub(crate) fn after<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
@@ -120,7 +120,7 @@ pub(crate) fn after<const D: usize>(
     (lost, warnings)
 }
 
-/// To what the gaps of an answer are known, (m,).
+/// Uncertainty of the gaps of an answer, (m,).
 fn known_gaps<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,

@@ -7,12 +7,12 @@
 //!   N_k = P + (EA/L_k) (e_k − e_a),       e_k = t·(u_{k+1} − u_k)
 //! ```
 //!
-//! P is its prestress and e_a the elongation at which it was there: that at the end of the step in which it came, in which a
-//! prestressed bar pulls with P, whatever gives; without prestress that before this step. It may give way: in compression
+//! P is its prestress and e_a its reference elongation. A prestressed bar pulls with constant P in the step in which it comes, and e_a is
+//! the elongation at the end of that step; without prestress e_a is that before the step. Its force may be limited: in compression
 //! (`tension_only`, N ≥ 0), or where it yields, |N| ≤ yield · A, with a plastic elongation that stays.
 //!
-//! One with ends has one element. A grouted one has two or, in cells of second order, four in each cell that it crosses; its points
-//! move with the cells in which they lie, meshes need not fit. Across itself it does nothing.
+//! A bar held at its ends has one element. A grouted one has two or, in cells of second order, four in each cell that it crosses; its
+//! points move with the cells in which they lie, and meshes need not fit. Across itself it has no stiffness.
 //!
 //! Units: N a force, of one bar. In the plane a model is as thick as its bodies: with `spacing` it holds thickness/spacing bars.
 
@@ -27,9 +27,9 @@ pub struct Bar<const D: usize> {
     pub name: String,
     /// Where it begins and ends.
     pub ends: [BarEnd<D>; 2],
-    /// The bodies in which its points lie; of sides their own.
+    /// The bodies in which its points lie; for sides the bodies of these.
     pub bodies: Vec<BodyId>,
-    /// How it holds to them.
+    /// How it is connected to them.
     pub bond: Bond,
     /// Young's modulus.
     pub young: f64,
@@ -58,7 +58,7 @@ pub enum BarEnd<const D: usize> {
     Side(SideRef),
 }
 
-/// How a bar holds to its bodies.
+/// How a bar is connected to its bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Bond {
     /// At both ends.
@@ -101,7 +101,7 @@ pub enum BarError {
         /// The bodies, as a list.
         bodies: String,
     },
-    /// Both ends at the same place.
+    /// Both ends are at the same place.
     #[error("its ends lie at the same place: it has no direction")]
     NoLength,
     /// A side without area.
@@ -132,7 +132,7 @@ fn show(point: &[f64]) -> String {
 }
 
 impl<const D: usize> Bar<D> {
-    /// One that is grouted or not between two places of some bodies, always there, without prestress.
+    /// A bar between two places of some bodies, with a bond, always there, without prestress.
     pub fn new(
         name: &str,
         ends: [BarEnd<D>; 2],

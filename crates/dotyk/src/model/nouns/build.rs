@@ -1,4 +1,4 @@
-//! Building a model in Rust: every method returns what the next line needs.
+//! Building a model in Rust: every method returns the object for the next line.
 
 use crate::geometry::{Field, Point};
 use crate::mesh::Mesh;
@@ -118,7 +118,7 @@ impl<const D: usize> Model<D> {
         self
     }
 
-    /// A point that a side moves with, to be held and loaded by what is given back; it need not lie on the mesh.
+    /// A point with which a side moves, and which the returned couple holds and loads; it need not lie on the mesh.
     pub fn couple(
         &mut self,
         body: BodyId,
@@ -154,8 +154,8 @@ impl<const D: usize> Model<D> {
         )
     }
 
-    /// What is left, on a side, of the traction of the body's initial stress: 1 is untouched ground, 0 is excavated. The
-    /// body must have an initial stress by then.
+    /// The remaining part, on a side, of the traction of the body's initial stress: 1 is untouched ground, 0 is excavated. The
+    /// body must already have an initial stress.
     pub fn in_situ(&mut self, body: BodyId, side: &str, factor: impl Into<Field>) -> &mut Self {
         let stress = self.bodies[body.0].initial.stress.clone();
         let none = || Components::isotropic(Field::constant(0.0));
@@ -221,9 +221,9 @@ impl<const D: usize> Model<D> {
         &mut self.sections[last]
     }
 
-    /// Reads a quantity off the solution, such as `gamma.pressure`: its name, what is read, and where.
+    /// Reads a quantity off the solution, such as `gamma.pressure`: name of the probe, quantity, and place.
     ///
-    /// Errors: the word that is wrong, and what is known in its place.
+    /// Errors: the wrong word, and the words known in its place.
     pub fn probe(
         &mut self,
         name: &str,

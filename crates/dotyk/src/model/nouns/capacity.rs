@@ -1,4 +1,4 @@
-//! What a section of a lining, wall or beam can bear: the N–M limit from strain compatibility with rectangular blocks.
+//! Capacity of a section of a lining, wall or beam: the N–M limit from strain compatibility with rectangular blocks.
 //!
 //! Form: EN 1992-1-1, 3.1.7 (3) (rectangular stress block) with 6.1 (plane sections, bars strained as the concrete beside
 //! them); without bars and tension it is 12.6.1 there, M = N h/2 (1 − N/(h f_c)) of a compression N. Strengths are those
@@ -11,8 +11,8 @@
 //! ```
 //!
 //! With a tension strength the block of the other zone is that of fibre concrete (rigid-plastic, fib Model Code 2010, 5.6.4).
-//! Stated, and not in it: the strain limit 2e-3 (1.75e-3) of the norm under uniform compression, so that all bars yield there, and
-//! the concrete that bars displace. A bar yields at the strain 2.175e-3 (B500: 435 MPa over 200 GPa) unless its modulus is
+//! Neglected: the strain limit 2e-3 (1.75e-3) of the norm under uniform compression, so that all bars yield there, and the
+//! concrete that bars displace. A bar yields at the strain 2.175e-3 (B500: 435 MPa over 200 GPa) unless its modulus is
 //! given.
 //!
 //! Signs as of section forces: N > 0 tension, M > 0 tension on the first side; both per unit of thickness.
@@ -118,7 +118,7 @@ impl Capacity {
                 high = middle;
             }
         }
-        // between the two that are left N may still jump by a rounding: what lies between is linear
+        // between the last two N may still jump by a rounding: linear in between
         let [a, b] = [self.limit(h, low, second), self.limit(h, high, second)];
         let part = if a[0] > b[0] {
             ((a[0] - n) / (a[0] - b[0])).clamp(0.0, 1.0)
@@ -137,7 +137,7 @@ impl Capacity {
     }
 
     /// 1 over the largest factor on (N, M) that stays inside the limit of a section of thickness h, along the ray from the
-    /// origin: 0 without forces, infinite where nothing along the ray is inside.
+    /// origin: 0 without forces, infinite where no point of the ray is inside.
     pub fn utilisation(&self, h: f64, n: f64, m: f64) -> f64 {
         let bars: f64 = self
             .reinforcement

@@ -1,6 +1,6 @@
-//! What quantities are measured in.
+//! Physical dimensions of quantities.
 
-/// What a quantity is measured in.
+/// Physical dimension of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// A length.

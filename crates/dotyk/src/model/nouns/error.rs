@@ -1,4 +1,4 @@
-//! Why a model has no answer.
+//! Errors: why a model has no answer.
 
 use crate::contact::ContactError;
 use crate::dual::Certificate;
@@ -45,7 +45,7 @@ pub enum Error<const D: usize> {
     /// Times that are not finite or do not increase.
     #[error("the times of the load steps must be finite and increase, found {0:?}")]
     Times(Vec<f64>),
-    /// A load step that was solved before is none of this model.
+    /// A load step that was solved before does not belong to this model.
     #[error("step {step} of the run before is not one of this model: {what}")]
     Past {
         /// From 1.
@@ -194,7 +194,7 @@ pub enum Error<const D: usize> {
         /// What is wrong.
         source: ProbeError<D>,
     },
-    /// A spring or bar cannot be solved for.
+    /// A spring or bar has a stiffness out of range.
     #[error("{part}: its stiffness is out of range: {source}")]
     Part {
         /// Which.
@@ -372,7 +372,7 @@ pub enum ProbeError<const D: usize> {
         "a line has no area: a mean or an integral is one over all of the body or contact, or over a side"
     )]
     LineHasNoArea,
-    /// A side of another body than the quantity.
+    /// The side belongs to another body than the quantity.
     #[error("{side} is no side of the body \"{body}\", which the quantity is of")]
     OtherBody {
         /// `body.side`.
@@ -414,51 +414,51 @@ pub enum ProbeError<const D: usize> {
 /// Why the last iterate is not an answer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Objection<const D: usize> {
-    /// Loss of equilibrium: friction, or what the bodies touch, does not hold the load.
+    /// Loss of equilibrium: friction, or the contacts of the bodies, do not hold the load.
     Slides {
         /// The bodies that move, first the one that moves most.
         bodies: Vec<String>,
         /// Its motion in words.
         motion: String,
-        /// What gives way: friction, or what else there is; `None` where no friction could hold the load.
+        /// The exhausted resistance: friction, or another one; `None` where no friction could hold the load.
         by: Option<&'static str>,
-        /// The part that it holds of the load along this motion, or of the change of load in the step.
+        /// The part of the load along this motion, or of the change of load in the step, that it holds.
         held: f64,
         /// Times of the step before and of this one.
         step: Option<[f64; 2]>,
     },
     /// The iteration ended before the optimality conditions were met.
     Unsettled {
-        /// What happened, in the words of the solver.
+        /// The reason, in the words of the solver.
         reason: String,
         /// Its residual.
         residual: f64,
-        /// Contact or couple, in words, and place where it is worst, and what to try.
+        /// The worst contact or couple, in words, its place, and advice.
         worst: Option<(String, Point<D>, Advice)>,
     },
     /// The certificate does not hold.
     Violated {
         /// What was checked.
         certificate: Box<Certificate>,
-        /// The contact in words whose forces rounding leaves open, if by too much.
+        /// The contact, in words, whose forces are too uncertain by rounding.
         open: Option<String>,
         /// Contact, place and depth where two sides overlap most between their nodes, if by too much.
         overlap: Option<(String, Point<D>, f64)>,
-        /// Where a deformed body stands in another one, if farther than it may.
+        /// The intrusion of a deformed body into another one, if it is deeper than allowed.
         intrusion: Option<Box<Intrusion<D>>>,
     },
-    /// Loss of equilibrium: the load is more than what bodies can bear that yield; or what yields did not settle where motion is
-    /// prescribed.
+    /// Loss of equilibrium: the load exceeds the limit load of bodies that yield; or the plastic strain did not settle under prescribed
+    /// motion.
     Yields {
-        /// Elastic problems in which none was found; `None`: one was found in which cells hold what the material does not, because they
-        /// cannot flow at constant volume.
+        /// Number of elastic problems without equilibrium; `None`: there is an equilibrium in which cells bear more than the material,
+        /// because they cannot flow at constant volume.
         turns: Option<usize>,
-        /// Prescribed motion does a good part of the work: it may go as far as it will, and nothing is lost.
+        /// Prescribed motion does a good part of the work: it may go any distance, without a loss of equilibrium.
         driven: bool,
-        /// The part of the step that they can bear, from what acted before it in a straight line; `None` where that is not known.
+        /// The part of the step that they can bear, on a straight line from the loads before it; `None` where that is not known.
         carried: Option<f64>,
     },
-    /// Hardly anything holds a floating body against turning: it turns farther than the theory of small rotations goes.
+    /// A floating body is hardly held against turning: it turns farther than the theory of small rotations allows.
     Turned {
         /// The body.
         body: String,
@@ -469,20 +469,20 @@ pub enum Objection<const D: usize> {
     },
 }
 
-/// What to try where an iteration does not settle.
+/// Advice where an iteration does not settle.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Advice {
-    /// A body that gives way much more than its cells do.
+    /// A body that is far more compliant than its cells.
     #[error(
         "body \"{body}\" is slender, it gives way {times:.0e} times as much as its cells do: divide it into bodies that are `tied` to each other"
     )]
     Divide {
         /// The body.
         body: String,
-        /// How many times.
+        /// The ratio of compliances.
         times: f64,
     },
-    /// A node on two rough faces, which need not have forces there.
+    /// A node on two rough faces, where contact forces need not exist.
     #[error(
         "{node} lies on two rough faces, which jam it: sliding off one it leans on the other, and with coefficients of {} and {} there need not be any forces; use less than {}, or `exclude` the node from one of the contacts",
         Short(coefficients[0]), Short(coefficients[1]), Short(*limit)
@@ -495,7 +495,7 @@ pub enum Advice {
         /// Below this coefficient of both nothing jams.
         limit: f64,
     },
-    /// A body between two rough faces, which need not have forces.
+    /// A body between two rough faces, where contact forces need not exist.
     #[error(
         "body \"{body}\" stands between two rough faces, which jam it: with coefficients of {} and {} friction could hold any load, even one that draws it out, but there need not be any forces that do; hold it by a support, or by a load that presses it in (below a coefficient of {} nothing jams)",
         Short(coefficients[0]), Short(coefficients[1]), Short(*limit)

@@ -1,4 +1,4 @@
-//! What an observer of a run is told, and how long its stages take.
+//! Events for an observer of a run, and the duration of its stages.
 
 use crate::model::nouns::solution::HistoryPoint;
 use std::sync::Arc;
@@ -19,13 +19,13 @@ pub enum Event {
     },
     /// A stage begins.
     Stage(&'static str),
-    /// The bodies are factored from here on; how far that is may be read at any time, from any thread.
+    /// The bodies are factored from here on; progress may be read at any time, from any thread.
     Factoring(Arc<Work>),
     /// An iteration of the contact solver is done.
     Iteration(HistoryPoint),
 }
 
-/// How much of the factorisations of all bodies is done; it may be looked at from any thread.
+/// Progress of the factorisations of all bodies; it may be read from any thread.
 #[derive(Debug, Default)]
 pub struct Work {
     /// Operations to do.

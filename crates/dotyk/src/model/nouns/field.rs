@@ -71,11 +71,11 @@ pub(crate) struct FieldKind<const D: usize> {
     pub dimension: Dimension,
     /// What it has values of.
     pub on: On,
-    /// Whether probes read it as its values at nodes say; others have a reading of their own.
+    /// Whether probes read its nodal values directly; other fields have a reading of their own.
     pub plain: bool,
-    /// Of what yields alone.
+    /// Only of bodies that yield.
     pub plastic: bool,
-    /// Its values in a solution; `None` where that has none.
+    /// Its values in a solution; `None` where the solution has no such values.
     pub values: fn(&BodySolution<D>) -> Option<Vec<f64>>,
 }
 
@@ -166,7 +166,7 @@ impl<const D: usize> FieldKind<D> {
         }
     }
 
-    /// Probes have a reading of their own of it, or none.
+    /// Probes read it in a way of their own, or not at all.
     const fn apart(mut self) -> Self {
         self.plain = false;
         self

@@ -4,13 +4,13 @@
 
 use std::collections::HashMap;
 
-/// What Windows keeps for devices, whatever stands behind a point and whatever the case.
+/// Names that Windows reserves for devices, with any extension and in any case.
 const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
 
 /// The same, each with a digit behind it.
 const PORTS: [&str; 2] = ["com", "lpt"];
 
-/// Most characters: with number, ending and what marks a file that is being written less than the 255 bytes that systems allow.
+/// Most characters: with number, ending and the mark of a file being written less than the 255 bytes that systems allow.
 const LONGEST: usize = 200;
 
 /// Why something cannot have its name: a file is called by it.
@@ -45,9 +45,9 @@ impl NameError {
     }
 }
 
-/// Whether files of one folder can have these names on every system; names that are equal are not told of.
+/// Checks that files of one folder can have these names on every system; equal names are not reported.
 ///
-/// Errors: the first name that no file can have, or that only its case tells from one before it.
+/// Errors: the first name that no file can have, or that differs from an earlier one in case only.
 pub fn check_file_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<(), NameError> {
     let mut seen: HashMap<String, &str> = HashMap::new();
     for name in names {

@@ -1,10 +1,10 @@
-//! Where a body stands in what it should not: what a solution tells of it. It is found in `march/intrusion.rs`.
+//! Intrusion of a body into another body or an obstacle, as a solution reports it. It is found in `march/intrusion.rs`.
 
 use crate::dual::Figure;
 use crate::fem::{Short, show};
 use crate::geometry::Point;
 
-/// Where one body stands in another one, or in the obstacle of a contact.
+/// Intrusion of a body into another one, or into the obstacle of a contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Intrusion<const D: usize> {
     /// The body whose node it is.
@@ -15,18 +15,18 @@ pub struct Intrusion<const D: usize> {
     pub obstacle: bool,
     /// Undeformed position of the node.
     pub point: Point<D>,
-    /// By how much deeper than at first, a length > 0.
+    /// Increase of the depth since the beginning, a length > 0.
     pub depth: f64,
-    /// What small displacements and the meshes explain of that, a length > 0.
+    /// The part of it that small displacements and the meshes explain, a length > 0.
     pub allowed: f64,
     /// A contact between the two is named.
     pub named: bool,
-    /// Such a contact, where it is not there yet, or no more: who said so is told, and no more.
+    /// Such a contact, if it is not there yet or no longer: this gives a remark only.
     pub waits: Option<String>,
 }
 
 impl<const D: usize> Intrusion<D> {
-    /// The worst of those that no contact explains by its absence.
+    /// The worst intrusion not explained by an inactive contact.
     pub(crate) fn worst(found: &[Self]) -> Option<Self> {
         let judged = found.iter().filter(|found| found.waits.is_none());
         judged.cloned().reduce(Self::worse)
@@ -38,7 +38,7 @@ impl<const D: usize> Intrusion<D> {
         Figure::new(depth, allowed, 1.0)
     }
 
-    /// What is told of two bodies whose contact is not there.
+    /// The remark on two bodies whose contact is inactive.
     pub(crate) fn remark(&self) -> Option<String> {
         let contact = self.waits.as_ref()?;
         (self.ratio() > 1.0).then(|| {
@@ -52,7 +52,7 @@ impl<const D: usize> Intrusion<D> {
         })
     }
 
-    /// What it stands in, in words.
+    /// The body or obstacle that it enters, in words.
     pub fn what(&self) -> String {
         match self.obstacle {
             true => format!("the obstacle of contact \"{}\"", self.other),

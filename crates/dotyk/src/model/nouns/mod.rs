@@ -1,4 +1,4 @@
-//! What a user writes, and what comes out: models, solutions, errors, and the words for them.
+//! Input and results: models, solutions, errors, and the words for them.
 
 pub mod bar;
 pub mod build;

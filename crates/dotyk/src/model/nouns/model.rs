@@ -17,7 +17,7 @@ pub use crate::fem::{
     Place, Support,
 };
 
-/// Names of units; they label the report and change no number.
+/// Names of units; they label the report and do not change numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Units {
     /// Unit of length, such as "m".
@@ -31,7 +31,7 @@ pub struct Units {
 pub struct Obstacle<const D: usize> {
     /// Where its surface is.
     pub shape: Rigid<D>,
-    /// Whether it moves as prescribed or as forces tell.
+    /// Whether its motion is prescribed or follows from forces.
     pub motion: Motion<D>,
 }
 
@@ -67,7 +67,7 @@ pub enum Pair<const D: usize> {
 }
 
 impl<const D: usize> Pair<D> {
-    /// The side that it names first: results that have a sign are told for its body.
+    /// The side that it names first: results with a sign are those of its body.
     pub fn first(&self) -> &SideRef {
         match self {
             Self::Given { nonmortar, .. } | Self::Obstacle { nonmortar, .. } => nonmortar,
@@ -114,8 +114,8 @@ pub enum Law {
     Coulomb(Field),
     /// Unilateral with a given bound of the shear traction.
     Tresca(Field),
-    /// A joint: it bears a tension up to its strength, and while closed a shear traction up to cohesion + coefficient · pressure; open
-    /// it bears none. Where it parts or slips, cohesion and tension are lost from the next load step on: dry friction is left.
+    /// A joint: it bears a tension up to its strength, and while closed a shear traction up to cohesion + coefficient · pressure; an open
+    /// joint bears no traction. Where it parts or slips, cohesion and tension are lost from the next load step on: dry friction remains.
     Cohesive {
         /// A stress.
         cohesion: Field,
@@ -129,8 +129,8 @@ pub enum Law {
 }
 
 impl Law {
-    /// The law of friction of a node, its fields evaluated by `at` and stresses taken times `weight`; `None` without friction. Of a
-    /// joint that is whole it is told for the normal force above what it bears in tension.
+    /// The law of friction of a node, its fields evaluated by `at` and stresses multiplied by `weight`; `None` without friction. For a
+    /// whole joint the normal force counts from its tensile strength.
     pub(crate) fn friction<E>(
         &self,
         at: impl Fn(&Field) -> Result<f64, E>,
@@ -172,7 +172,7 @@ impl Law {
         }
     }
 
-    /// What is left of it where a joint has parted or slipped.
+    /// The law after a joint has parted or slipped.
     pub(crate) fn dry(&self) -> Self {
         match self {
             Self::Cohesive { coefficient, .. } => Self::Coulomb(coefficient.clone()),
@@ -195,7 +195,7 @@ impl Law {
         }
     }
 
-    /// The stress in tension that a joint bears where it is whole; `None` of other laws.
+    /// The tensile strength of a whole joint, a stress; `None` for other laws.
     pub(crate) fn tension(&self) -> Option<&Field> {
         match self {
             Self::Cohesive { tension, .. } => Some(tension),
@@ -203,8 +203,7 @@ impl Law {
         }
     }
 
-    /// Largest shear traction beside a pressure at a point and a time; `None` without friction. Of a joint it is that where it is
-    /// whole.
+    /// Largest shear traction at a pressure, a point and a time; `None` without friction. For a joint that of the whole joint.
     pub fn shear_limit<const D: usize>(
         &self,
         pressure: f64,
@@ -254,7 +253,7 @@ pub struct Contact<const D: usize> {
     pub gap: Option<Gap>,
     /// What the interface can bear.
     pub law: Law,
-    /// Points and sides of the nonmortar body whose nodes take no part: open, whatever is opposite.
+    /// Points and sides of the nonmortar body whose nodes are excluded: open, whatever is opposite.
     pub exclude: Vec<Place<D>>,
     /// Points and sides of the nonmortar body whose nodes take part without friction.
     pub friction_exclude: Vec<Place<D>>,
@@ -324,7 +323,7 @@ pub enum Bolts<const D: usize> {
     Points(Vec<Point<D>>),
 }
 
-/// Solver options; the default needs no word from the user.
+/// Solver options; the default needs no choice of the user.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverOptions<const D: usize> {
     /// The algorithm.
@@ -337,12 +336,12 @@ pub struct SolverOptions<const D: usize> {
     pub rho: Option<f64>,
     /// Bolts of uzawa.
     pub bolts: Bolts<D>,
-    /// Bytes that matrices and factors may take; `None`: as many as they like. Cases have what the machine has.
+    /// Bytes that matrices and factors may take; `None`: no limit. For cases it is the memory of the machine.
     pub memory: Option<u64>,
 }
 
 impl<const D: usize> SolverOptions<D> {
-    /// Takes another method and step instead of those of a case; what the method has no use for is dropped.
+    /// Takes another method and step instead of those of a case; options that the method does not use are dropped.
     ///
     /// Errors: the method, where it has no step.
     pub fn take(&mut self, method: Option<Method>, rho: Option<f64>) -> Result<(), Method> {
@@ -381,11 +380,11 @@ pub struct Probe<const D: usize> {
     pub quantity: Quantity,
     /// Where, or how its values become one number.
     pub reading: Reading<D>,
-    /// Along what; `None`: all of the body or contact that it is of.
+    /// The line or side along which it is read; `None`: its whole body or contact.
     pub along: Option<Along<D>>,
     /// Minus the least-squares amplitude of the rigid modes that this body's supports leave free.
     pub minus_rigid: Option<BodyId>,
-    /// What hoop stresses of plane analyses go around, and moments in space are about.
+    /// Centre of hoop stresses in plane analyses, and of moments in space.
     pub center: Point<D>,
 }
 
@@ -500,7 +499,7 @@ pub struct Model<const D: usize> {
     pub times: Vec<f64>,
     /// Names of the load steps, empty where they have none; as many as times, or none at all.
     pub step_names: Vec<String>,
-    /// Named values that the model was made with, for results to tell.
+    /// Named values with which the model was made, for the results.
     pub parameters: Vec<(String, f64)>,
 }
 

@@ -1,7 +1,7 @@
-//! Stages: bodies, supports and contacts that come and go. A stage is what of a model is there at a time, as a model of its own;
-//! what load steps leave to those after them stands in `system/state.rs`.
+//! Stages: bodies, supports and contacts that come and go. A stage holds the parts of a model that are present at a time, as a model
+//! of its own; the state that load steps pass on is in `system/state.rs`.
 //!
-//! A thing is there in the steps whose time t lies in from ≤ t < until; in the first step nothing has appeared.
+//! A part is present in the steps whose time t lies in from ≤ t < until; parts of the first step do not count as appearing.
 
 use crate::fem::Active;
 use crate::model::nouns::bar::{Bar, BarEnd};
@@ -12,7 +12,7 @@ use crate::model::nouns::section::Section;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-/// What of a model is there at a time.
+/// The parts of a model that are present at a time.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Presence {
     pub bodies: Vec<bool>,
@@ -27,7 +27,7 @@ pub(crate) struct Presence {
 }
 
 impl Presence {
-    /// That of a model at a time.
+    /// Presence in a model at a time.
     pub fn at<const D: usize>(model: &Model<D>, time: f64) -> Self {
         let before = model.times.iter().copied().filter(|&before| before < time);
         let before = before.reduce(f64::max);
@@ -70,7 +70,7 @@ impl Presence {
     }
 }
 
-/// Place of each thing that is there among those that are.
+/// Index of each present element among those present.
 pub(crate) fn places(there: &[bool]) -> Vec<Option<usize>> {
     let mut next = 0;
     let place = |&there: &bool| {
@@ -80,7 +80,7 @@ pub(crate) fn places(there: &[bool]) -> Vec<Option<usize>> {
     there.iter().map(place).collect()
 }
 
-/// The elements that are there.
+/// The elements that are present.
 pub(crate) fn kept<'a, T>(all: &'a [T], there: &'a [bool]) -> impl Iterator<Item = &'a T> {
     all.iter()
         .zip(there)
@@ -88,14 +88,14 @@ pub(crate) fn kept<'a, T>(all: &'a [T], there: &'a [bool]) -> impl Iterator<Item
         .map(|(one, _)| one)
 }
 
-/// What of a model is there at a time, as a model of its own, and what is known of the rest of it.
+/// The present parts of a model at a time, as a model of its own, with some data of the absent parts.
 #[derive(Debug, Clone)]
 pub(crate) struct Stage<'m, const D: usize> {
-    /// What is there; borrowed where that is everything.
+    /// The present parts; borrowed where all are present.
     pub model: Cow<'m, Model<D>>,
     /// Whether each bar is being tightened: it pulls with its prestress.
     pub tightening: Vec<bool>,
-    /// Contacts that are not there: their names, and sides of bodies that are.
+    /// Absent contacts: their names, and their sides on present bodies.
     pub absent: Vec<(String, Vec<SideRef>)>,
 }
 
@@ -113,7 +113,7 @@ impl<'m, const D: usize> Stage<'m, D> {
         }
     }
 
-    /// That of a model where so much is there.
+    /// The stage of a model with this presence.
     pub fn of(model: &'m Model<D>, there: &Presence) -> Self {
         let places = places(&there.bodies);
         let missing = model.contacts.iter().zip(&there.contacts);
@@ -133,7 +133,7 @@ impl<'m, const D: usize> Stage<'m, D> {
         }
     }
 
-    /// The same, of nothing that is borrowed.
+    /// The same, without borrowed data.
     pub fn into_owned(self) -> Stage<'static, D> {
         Stage {
             model: Cow::Owned(self.model.into_owned()),
@@ -142,7 +142,7 @@ impl<'m, const D: usize> Stage<'m, D> {
         }
     }
 
-    /// Sides of a body that some contact touches, be it there or not.
+    /// Sides of a body in some contact, present or not.
     pub fn touched(&self, body: BodyId) -> BTreeSet<&str> {
         let there = self.model.contacts.iter();
         let there = there.flat_map(|contact| contact.pair.sides());
@@ -151,7 +151,7 @@ impl<'m, const D: usize> Stage<'m, D> {
         own.map(|side| side.side.as_str()).collect()
     }
 
-    /// The contact between two bodies that is not there.
+    /// The absent contact between two bodies.
     pub fn waits(&self, [a, b]: [usize; 2]) -> Option<&str> {
         let between = |sides: &[SideRef]| match sides {
             [one, other] => [[a, b], [b, a]].contains(&[one.body.0, other.body.0]),
@@ -162,7 +162,7 @@ impl<'m, const D: usize> Stage<'m, D> {
     }
 }
 
-/// A side by the place that its body has among those that are there.
+/// A side with the index of its body among the present ones.
 fn placed(side: &SideRef, bodies: &[Option<usize>]) -> Option<SideRef> {
     Some(SideRef {
         body: BodyId(bodies[side.body.0]?),
@@ -171,8 +171,8 @@ fn placed(side: &SideRef, bodies: &[Option<usize>]) -> Option<SideRef> {
 }
 
 impl<const D: usize> Model<D> {
-    /// What of it is there at a time, as a model with the steps up to that time; borrowed where that is everything. What
-    /// earlier steps have left is not in it.
+    /// Its present parts at a time, as a model with the steps up to that time; borrowed where all are present. The state after earlier
+    /// steps is not included.
     pub fn stage(&self, time: f64) -> Cow<'_, Self> {
         let presence = Presence::at(self, time);
         match presence.is_whole() {
@@ -181,26 +181,26 @@ impl<const D: usize> Model<D> {
         }
     }
 
-    /// Whether something comes or goes from one of its load steps to another.
+    /// Whether a part comes or goes between its load steps.
     pub(crate) fn has_stages(&self) -> bool {
         let mut presences = self.times.iter().map(|&time| Presence::at(self, time));
         let first = presences.next();
         presences.any(|other| Some(other) != first)
     }
 
-    /// Whether its steps have something to leave to each other that is no slip.
+    /// Whether its steps pass on a state other than slip.
     pub(crate) fn is_staged(&self) -> bool {
         let prestressed = self.bars.iter().any(|bar| bar.prestress.is_some());
         prestressed || self.has_stages()
     }
 
-    /// Whether at a time something is there, or is not, that differs from its first load step.
+    /// Whether the presence at a time differs from that in its first load step.
     pub(crate) fn has_stage_at(&self, time: f64) -> bool {
         let first = self.times.first().map(|&first| Presence::at(self, first));
         first.is_some_and(|first| first != Presence::at(self, time))
     }
 
-    /// What is there, as a model; with the steps up to a time.
+    /// The present parts as a model, with the steps up to a time.
     pub(crate) fn part(&self, there: &Presence, until: Option<f64>) -> Self {
         let cut = self
             .sections
@@ -297,7 +297,7 @@ impl<const D: usize> Model<D> {
         }
     }
 
-    /// Errors: something that is there in no load step.
+    /// Errors: a part that is present in no load step.
     pub(crate) fn check_presence(&self) -> Result<(), Error<D>> {
         let never = |what, name: &str| {
             Err(Error::NeverThere {
@@ -339,8 +339,8 @@ impl<const D: usize> Model<D> {
         Ok(())
     }
 
-    /// Runs of load steps between which nothing comes or goes, each as a stage with these steps, without what is left of
-    /// those before.
+    /// Runs of load steps between which no part comes or goes, each as a stage with these steps, without the state after those
+    /// before.
     pub(crate) fn runs(&self) -> Vec<Stage<'_, D>> {
         let mut runs: Vec<(Presence, Vec<f64>)> = Vec::new();
         for &time in &self.times {

@@ -1,4 +1,4 @@
-//! What a probe reads: the quantities of bodies and contacts, and the words that name them.
+//! Quantities that probes read of bodies and contacts, and the words that name them.
 //!
 //! ```text
 //!   BODY.displacement.x   BODY.stress.von_mises   BODY.reaction.y   BODY.SIDE.reaction.y
@@ -18,7 +18,7 @@ use crate::model::nouns::section::SectionQuantity;
 use std::fmt;
 use std::ops::Range;
 
-/// What a probe reads, as a text names it.
+/// The quantity of a probe, as a text names it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
     text: String,
@@ -36,11 +36,11 @@ pub(crate) enum Parts {
     Stress(usize, Stress),
     /// Stress of a body over its strength; a field.
     Utilisation(usize),
-    /// A result of a body as its values at nodes say, by its place in the list of them, and which of its components; a field.
+    /// A result of a body read from its nodal values, by its place in the list of results, and its component; a field.
     Field(usize, usize, usize),
     /// Force of the supports on a body, of all or those of a side; a number.
     Reaction(usize, Option<String>, usize),
-    /// What varies along a contact; a field.
+    /// A quantity that varies along a contact; a field.
     Along(usize, ContactField),
     /// Force of a contact on its nonmortar body; a number.
     Resultant(usize, usize),
@@ -52,7 +52,7 @@ pub(crate) enum Parts {
     Dissipated(usize, Since),
     /// Displacement of the rigid obstacle of a contact; a number.
     Obstacle(usize, Component),
-    /// What varies along a section; a field of its stations.
+    /// A quantity that varies along a section; a field of its stations.
     Section(usize, SectionQuantity),
     /// Force of a bar; a field of its stations, and alone the one of the largest magnitude.
     Bar(usize),
@@ -66,7 +66,7 @@ pub(crate) enum Component {
 }
 
 impl Component {
-    /// That of a vector.
+    /// The component of a vector.
     pub(crate) fn of<const D: usize>(self, vector: Point<D>) -> f64 {
         match self {
             Self::Axis(axis) => vector[axis],
@@ -75,14 +75,14 @@ impl Component {
     }
 }
 
-/// What of a contact is counted.
+/// The part of a contact that is counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Touching {
-    /// All that touches.
+    /// All closed parts.
     Whole,
-    /// What is held by friction.
+    /// Sticking parts.
     Stick,
-    /// What is at the bound of friction.
+    /// Slipping parts.
     Slip,
 }
 
@@ -111,8 +111,8 @@ pub(crate) enum Stress {
     Normal,
 }
 
-/// What varies along a contact. Shear and slip are along the tangent in the plane, lengths in space; or components in global
-/// axes.
+/// A quantity that varies along a contact. Shear and slip are along the tangent in the plane, lengths in space; or components in
+/// global axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ContactField {
     Pressure,
@@ -150,7 +150,7 @@ const FORCE: &str = "force";
 /// The displacement of the rigid obstacle of a contact.
 const OBSTACLE: &str = "displacement_obstacle";
 
-/// The two last are those of space, the one before them that of the plane.
+/// The last two are those of space, the one before them that of the plane.
 const STRESSES: [(&str, Stress); 13] = [
     ("xx", Stress::Component(0)),
     ("yy", Stress::Component(1)),
@@ -187,7 +187,7 @@ const WORKS: [(&str, Since); 2] = [
     ("dissipated_work_total", Since::Start),
 ];
 
-/// Why a text is no quantity: which of its words is wrong.
+/// Why a text is not a quantity: which of its words is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuantityError {
     /// What is wrong with the word.
@@ -196,7 +196,7 @@ pub struct QuantityError {
     pub word: String,
     /// Its bytes in the text.
     pub at: Range<usize>,
-    /// The words that are known in its place, or after it, where the text ends too early.
+    /// The words known in its place, or after it, where the text ends too early.
     pub known: Vec<String>,
 }
 
@@ -237,9 +237,9 @@ impl fmt::Display for QuantityError {
 impl std::error::Error for QuantityError {}
 
 impl Quantity {
-    /// The quantity that a text names, of these bodies, and of contacts, sections and bars of these names, which differ.
+    /// The quantity that a text names, of these bodies, and of contacts, sections and bars with these distinct names.
     ///
-    /// Errors: the word that is wrong, and what is known in its place.
+    /// Errors: the wrong word, and the words known in its place.
     pub fn parse<const D: usize>(
         text: &str,
         bodies: &[Body<D>],
@@ -271,7 +271,7 @@ impl Quantity {
         Ok(Self { text, parts })
     }
 
-    /// The same of bodies, contacts, sections and bars that have other places; `None` where they have none.
+    /// The same with other indices of bodies, contacts, sections and bars; `None` where its part has no index.
     pub(crate) fn placed(
         &self,
         [bodies, contacts, sections, bars]: [&[Option<usize>]; 4],
@@ -297,7 +297,7 @@ impl Quantity {
         Some(Self { text, parts })
     }
 
-    /// What it is measured in.
+    /// Its physical dimension.
     pub fn dimension(&self) -> Dimension {
         match self.parts {
             Parts::Reaction(..) | Parts::Resultant(..) | Parts::Bar(_) => Dimension::Force,
@@ -364,7 +364,7 @@ impl Quantity {
         matches!(self.parts, Parts::Along(..))
     }
 
-    /// It is known at the stations of a section or of a bar alone.
+    /// It is known only at the stations of a section or of a bar.
     pub fn is_of_stations(&self) -> bool {
         matches!(self.parts, Parts::Section(..) | Parts::Bar(_))
     }
@@ -395,7 +395,7 @@ impl Quantity {
         }
     }
 
-    /// A rigid motion can be taken away from it.
+    /// A rigid motion can be subtracted from it.
     pub fn is_displacement(&self) -> bool {
         use Parts::{Along, Displacement};
         matches!(
@@ -480,7 +480,7 @@ const QUANTITIES: [&str; 5] = [
     "utilisation",
 ];
 
-/// A result that is read as its values at nodes say.
+/// A result that is read from its nodal values.
 fn of_field<const D: usize>(
     words: &Words<'_>,
     (index, body): (usize, &Body<D>),

@@ -9,7 +9,7 @@
 //!
 //! N > 0 is tension, V > 0 pushes the part ahead towards the first side, M > 0 is tension on the first side. In the plane they
 //! are per unit of thickness, with axial symmetry (meridional forces) per unit of circumference at the middle of the cut; there
-//! ∫σ_θ dy and ∫σ_θ y dy of the recovered hoop stress, y from the middle to the first side, are told, too.
+//! ∫σ_θ dy and ∫σ_θ y dy of the recovered hoop stress, y from the middle to the first side, are given, too.
 
 use crate::geometry::Point;
 use crate::mesh::StripError;
@@ -17,7 +17,7 @@ use crate::model::nouns::capacity::Capacity;
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::ids::BodyId;
 
-/// Where the forces across a body are asked for.
+/// A body with the cuts at which its section forces are found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section<const D: usize> {
     /// Unique name.
@@ -28,14 +28,14 @@ pub struct Section<const D: usize> {
     pub sides: [String; 2],
     /// Where it is cut.
     pub stations: Stations<D>,
-    /// What it can bear.
+    /// Its capacity.
     pub capacity: Option<Capacity>,
 }
 
 /// Where a body is cut.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stations<const D: usize> {
-    /// At so many equal distances along the middle line, both ends included.
+    /// This number of stations at equal distances along the middle line, both ends included.
     Number(usize),
     /// At the places of the middle line nearest to these points, in their order.
     Points(Vec<Point<D>>),
@@ -137,7 +137,7 @@ impl Station {
     }
 }
 
-/// What is known at a station.
+/// A quantity at a station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SectionQuantity {
     /// N.
@@ -185,7 +185,7 @@ impl SectionQuantity {
 }
 
 impl SectionSolution {
-    /// Station (from zero) and value of the smallest and the largest; `None` where there is no value.
+    /// Station (from zero) and value of the smallest and the largest; `None` without values.
     pub fn extremes(&self, quantity: SectionQuantity) -> Option<[(usize, f64); 2]> {
         let values = self
             .stations

@@ -1,4 +1,4 @@
-//! What comes out: displacements, stresses, reactions, contact state, certificate.
+//! Results: displacements, stresses, reactions, contact state, certificate.
 
 use crate::dual::Certificate;
 use crate::fem::{Borders, CoupleKind, list_motions, principal};
@@ -119,8 +119,7 @@ pub struct ContactSolution<const D: usize> {
     pub nodes: Vec<ContactNode<D>>,
     /// The chain closes on itself (a full ring).
     pub cyclic: bool,
-    /// Of its two sides the one that the model names first, which may be either where dotyk has chosen what carries the
-    /// multipliers.
+    /// The side that the model names first; either one where dotyk has chosen the side that carries the multipliers.
     pub first: SideRef,
     /// Force ON the body of that side.
     pub resultant: Point<D>,
@@ -130,9 +129,9 @@ pub struct ContactSolution<const D: usize> {
     pub length: f64,
     /// Sum of the forces on both sides, relative to the sum of the nodal forces' magnitudes.
     pub imbalance: f64,
-    /// What of the length sticks; with friction.
+    /// The sticking part of the length; with friction.
     pub length_stick: f64,
-    /// What of it slips.
+    /// The slipping part of it.
     pub length_slip: f64,
     /// Displacement of the rigid obstacle; `None` where the other side is that of a body.
     pub obstacle: Option<Point<D>>,
@@ -143,7 +142,7 @@ pub struct ContactSolution<const D: usize> {
 }
 
 impl<const D: usize> ContactSolution<D> {
-    /// Turns force and moment, which are those on the nonmortar body, to be those on one of its sides.
+    /// Turns force and moment on the nonmortar body into those on the body of one of its sides.
     pub(crate) fn tell_for(&mut self, side: &SideRef) {
         if *side != self.nonmortar {
             self.resultant = self.resultant.map(|f| -f);
@@ -206,12 +205,11 @@ pub struct CoupleSolution<const D: usize> {
 pub struct BodySolution<const D: usize> {
     /// Name of the body.
     pub name: String,
-    /// Displacement of every node; of a body that has come in a later step since then.
+    /// Displacement of every node; of a body that came in a later step since then.
     pub displacement: Vec<Point<D>>,
-    /// Of such a body: at every node the displacement, when it came, of what it was fitted to. Pictures show it there.
+    /// For such a body: at every node the displacement of the body to which it was fitted, at that time. Pictures show it there.
     pub fitted: Option<Arc<[Point<D>]>>,
-    /// Where stress and strain are given: at every node, and behind them at nodes on borders between materials once more for
-    /// each further material.
+    /// Places of stress and strain: every node, followed by nodes on borders between materials once more for each further material.
     pub borders: Borders,
     /// Stress at every node, and at the further places of `borders`: xx yy zz xy yz xz.
     pub stress: Vec<[f64; 6]>,
@@ -228,7 +226,7 @@ pub struct BodySolution<const D: usize> {
     pub bar_forces: BTreeMap<usize, Point<D>>,
     /// Reactions by the side that is held or bedded.
     pub side_reactions: BTreeMap<String, Point<D>>,
-    /// What the supports of larger sides do at the nodes of sides that are parts of them.
+    /// Reactions of the supports of larger sides at the nodes of sides that are parts of them.
     pub part_reactions: BTreeMap<String, Point<D>>,
     /// Rigid motions that its supports leave free.
     pub floating_modes: Vec<RigidMode<D>>,
@@ -242,15 +240,15 @@ pub struct BodySolution<const D: usize> {
     pub strain_energy: f64,
     /// Degrees of freedom, prescribed ones included.
     pub dofs: usize,
-    /// Its largest von Mises stress; `None` where none is a number.
+    /// Its largest von Mises stress; `None` where no value is finite.
     pub peak: Option<Peak<D>>,
-    /// How far its stress goes towards its strength; `None` where no material has one.
+    /// Utilisation of its strength; `None` where no material has a strength.
     pub utilisation: Option<Utilisation<D>>,
-    /// What has yielded of it; `None` where no material may.
+    /// Its yielding; `None` where no material may yield.
     pub yielding: Option<Yielding>,
 }
 
-/// What has yielded of a body.
+/// Yielding of a body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Yielding {
     /// Plastic strain at every node, and at the further places of the body's `borders`: xx yy zz xy yz xz, tensor components.
@@ -261,25 +259,25 @@ pub struct Yielding {
     pub share: Vec<f64>,
     /// The part of every cell, in the order of the mesh, that has yielded in this step.
     pub cells: Vec<f64>,
-    /// Area of what has a plastic strain, in space volume; without thickness, with axial symmetry that of the section.
+    /// Area with a plastic strain, in space volume; without thickness, with axial symmetry that of the section.
     pub extent: f64,
     /// Plastic strain, behind it the equivalent one and the change of volume that the cell does not resist, at the points of
     /// integration of the stiffness of all cells, block by block.
     pub points: Vec<[f64; 8]>,
 }
 
-/// How far the stress of a body goes towards the strength of its materials. The stress is elastic: what exceeds the strength
-/// would yield or break, and hand stress on to its neighbourhood.
+/// Utilisation of the strength of the materials of a body by its stress. The stress is elastic: material beyond its strength
+/// would yield or break, and shed stress to its neighbourhood.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Utilisation<const D: usize> {
     /// At every node, and at the further places of the body's `borders`: 1 is failure, infinite beyond the apex of a criterion; NaN
-    /// where no cell has a strength. Between materials of one elasticity the largest of theirs.
+    /// where no cell has a strength. Between materials of equal elasticity the largest value of theirs.
     pub nodal: Vec<f64>,
     /// Area where it exceeds 1, in space volume; without thickness, with axial symmetry that of the section.
     pub overstressed: f64,
-    /// Area, in space volume, of what has a strength.
+    /// Area, in space volume, of the materials with a strength.
     pub judged: f64,
-    /// The largest; `None` where none is a number.
+    /// The largest value; `None` where no value is finite.
     pub peak: Option<Peak<D>>,
 }
 
@@ -297,24 +295,24 @@ pub struct StressAt<const D: usize> {
 pub struct Peak<const D: usize> {
     /// The stress and its node.
     pub most: StressAt<D>,
-    /// If it lies within one cell of a place where the theory has no finite stress: what it is there.
+    /// Set if it lies within one cell of a place where the theory has no finite stress.
     pub place: Option<SingularPeak<D>>,
 }
 
-/// What can be said of stresses beside a place where they are not finite.
+/// Stresses away from a place where they are not finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SingularPeak<const D: usize> {
     /// The place.
     pub place: Singular,
     /// The largest stress farther than two cells from all such places, where there is a node.
     pub away: Option<StressAt<D>>,
-    /// The stress that all but half a per cent of the body's volume does not exceed, or that away from such places if it is less.
+    /// The stress exceeded in half a per cent of the body's volume, or the stress away from such places if that is less.
     pub usual: f64,
     /// The part of the volume that does not exceed it.
     pub share: f64,
 }
 
-/// A place where linear elasticity has no finite stress: what is computed there grows as the mesh is refined.
+/// A place where linear elasticity has no finite stress: computed values grow there as the mesh is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Singular {
     /// A force at a node.
@@ -342,7 +340,7 @@ impl fmt::Display for Singular {
 }
 
 impl<const D: usize> BodySolution<D> {
-    /// Displacement of every node in pictures: with that of what the body was fitted to.
+    /// Displacement of every node in pictures: plus that of the body to which it was fitted.
     pub fn shown(&self) -> Cow<'_, [Point<D>]> {
         let Some(fitted) = &self.fitted else {
             return Cow::Borrowed(&self.displacement);
@@ -406,7 +404,7 @@ pub struct BoltReport<const D: usize> {
 /// How the contact problem was solved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverReport<const D: usize> {
-    /// Method that was used (never "auto"), or name of a solver of one's own; "given" where forces were given.
+    /// Method that was used (never "auto"), or name of a solver from outside; "given" where forces were given.
     pub method: String,
     /// Stages of Newton's method in the order in which they were entered; the last one answered.
     pub tried: Vec<&'static str>,
@@ -445,12 +443,11 @@ pub struct ProbeValue {
 /// A value on a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinePoint {
-    /// Distance from the first point; along a side the length of the way from node to node, over what lies between its pieces
-    /// straight.
+    /// Distance from the first point; along a side the length of the path from node to node, with straight gaps between its pieces.
     pub s: f64,
     /// Undeformed place (x, y, z).
     pub point: [f64; 3],
-    /// NaN where there is none.
+    /// NaN where there is no value.
     pub value: f64,
     /// The side has an end or a sharp corner before it.
     pub starts: bool,
@@ -469,9 +466,9 @@ pub struct Solution<const D: usize> {
     pub bars: Vec<BarSolution<D>>,
     /// One per section of the model, in its order.
     pub sections: Vec<SectionSolution>,
-    /// What was checked, and by how much it holds.
+    /// The figures of the answer, with their limits.
     pub certificate: Certificate,
-    /// Where a deformed body stands deepest in another one or in an obstacle, in parts of what is explained.
+    /// The intrusion of a deformed body into another one or into an obstacle that is deepest relative to the explained depth.
     pub overlap: Option<Intrusion<D>>,
     /// The certificate holds.
     pub converged: bool,

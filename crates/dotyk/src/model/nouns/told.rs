@@ -1,15 +1,15 @@
-//! Words of messages: names in a row, and warnings that say the same, told once.
+//! Words of messages: lists of names, and equal warnings merged into one.
 //!
-//! A warning begins with what it is about, `body "b1"` or `contact "c1", "c2" and 3 more`, and goes on with a sentence that has
-//! figures. Two are of a kind where they differ in names and figures alone.
+//! A warning begins with its subject, `body "b1"` or `contact "c1", "c2" and 3 more`, followed by a sentence with figures. Two
+//! warnings are of a kind if they differ in names and figures only.
 //!
-//! * Of several bodies or contacts: of three and more of a kind the one whose figures are largest is told, the others are named.
-//! * In several steps: of those about the same the one whose figures are largest is told, with the number of steps.
+//! * Several bodies or contacts: of three or more of a kind the one with the largest figures is kept, and the others are named.
+//! * Several steps: of those about the same subject the one with the largest figures is kept, with the number of steps.
 
-/// So many of a kind are told as one.
+/// Fewest warnings of a kind that are merged.
 const SEVERAL: usize = 3;
 
-/// What stands between a warning and the names that it holds for, too.
+/// Text between a warning and the further names for which it holds.
 const ALSO: &str = "; likewise ";
 
 /// The warnings of one solution, in the order of the first of each kind.
@@ -30,7 +30,7 @@ pub(crate) fn told_once(warnings: Vec<String>) -> Vec<String> {
         let mut names: Vec<String> = all.iter().map(|w| Sentence::of(w).name).collect();
         names.sort_unstable();
         names.dedup();
-        // several facts about one thing are several
+        // several facts about one subject stay separate
         if names.len() < SEVERAL || names.len() < all.len() {
             return all;
         }
@@ -43,9 +43,9 @@ pub(crate) fn told_once(warnings: Vec<String>) -> Vec<String> {
     kinds.into_iter().flat_map(tell).collect()
 }
 
-/// The warnings of several steps, each told once by itself, in the order of the first of each.
+/// The warnings of several steps, each merged within its step, in the order of the first of each.
 pub(crate) fn told_in_steps<'w>(steps: impl Iterator<Item = &'w [String]>) -> Vec<String> {
-    // what is said, in the largest figures, and in how many steps it is said in others
+    // the warning with the largest figures, and the number of steps with others
     struct Said {
         sentence: Sentence,
         texts: Vec<String>,
@@ -105,7 +105,7 @@ fn worst(warnings: &[String]) -> usize {
 /// A warning taken apart.
 #[derive(Debug, Clone, PartialEq)]
 struct Sentence {
-    /// What it is about, where that is one thing with a name in front; else nothing.
+    /// Its subject, if that is a single name in front; else empty.
     name: String,
     /// All names in front, as they are written.
     names: String,
@@ -124,7 +124,7 @@ impl Sentence {
         let kind = front.split('"').next().unwrap_or_default();
         Self {
             name: name.unwrap_or_default().to_string(),
-            // of several things it may be another one in each step that has the largest figures
+            // of several subjects another one may have the largest figures in each step
             names: match also.is_empty() {
                 true => front.to_string(),
                 false => kind.to_string(),
@@ -139,8 +139,8 @@ impl Sentence {
     }
 }
 
-/// The kind and the names that a warning begins with, and the rest: `contact "a", "b" and 3 more`, `body "b"`. Nothing where it does
-/// not begin so.
+/// The kind and the names at the beginning of a warning, and the rest: `contact "a", "b" and 3 more`, `body "b"`. Empty where it has
+/// no such beginning.
 fn front(warning: &str) -> (&str, &str) {
     let kind = warning.find(' ').unwrap_or(0);
     let mut end = 0;

@@ -1,8 +1,8 @@
-//! Where an answer leaves what the theory assumes: small strains, rotations and slips, and a contact of many nodes.
+//! Checks of the assumptions of the theory: small strains, rotations and slips, and a contact of many nodes.
 //!
 //! The theory is linear and the sides stay paired as they were: with strains, rotations or slips (in parts of a facet) of 5 %
-//! the answer is off by about as much. Peaks at single points, where stresses are singular, say nothing of the whole: a
-//! hundredth of the nodes is passed over.
+//! the answer is off by about as much. Peaks at single points, where stresses are singular, do not count: a hundredth of the
+//! nodes is skipped.
 
 use crate::contact::Coupling;
 use crate::fem::{Short, recover_spin, show};
@@ -25,10 +25,10 @@ const SINGULAR: f64 = 0.01;
 /// A slip above this part of the smaller facet takes a node to another facet.
 const FAR: f64 = 0.5;
 
-/// Fewer closed nodes than this tell the edge of a contact only roughly.
+/// Fewer closed nodes than this locate the edge of a contact only roughly.
 const FEW: usize = 5;
 
-/// Warnings about bodies and contacts that leave what is assumed.
+/// Warnings about bodies and contacts beyond the assumptions.
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn beyond<const D: usize>(
@@ -71,7 +71,7 @@ pub(crate) fn beyond<const D: usize>(
     Ok(warnings)
 }
 
-/// Warnings about a body that is strained or turned by much.
+/// Warnings about large strains or rotations of a body.
 fn large<const D: usize>(
     (model, time): (&Model<D>, f64),
     body: &Body<D>,
@@ -94,7 +94,7 @@ fn large<const D: usize>(
     Ok(told.collect())
 }
 
-/// The largest of some values, those of singular places passed over.
+/// The largest of some values, those of singular places skipped.
 fn usual(mut values: Vec<f64>) -> f64 {
     let singular = (SINGULAR * values.len() as f64).ceil() as usize;
     let last = values.len().checked_sub(1 + singular);
@@ -103,7 +103,7 @@ fn usual(mut values: Vec<f64>) -> f64 {
     })
 }
 
-/// Contacts whose edges lie between nodes, and that have few of them.
+/// Contacts with few closed nodes, whose edges lie between nodes.
 fn few_closed<const D: usize>(
     model: &Model<D>,
     contacts: &[&ContactSolution<D>],
@@ -128,7 +128,8 @@ fn few_closed<const D: usize>(
     ))
 }
 
-/// A curved obstacle along which a closed node slips so far that it curves away, s²/2R, by as much as the sides approach.
+/// A curved obstacle along which a closed node slips so far that the curvature s²/2R of its path is comparable to the approach of
+/// the sides.
 fn along_a_curve<const D: usize>(of: &Contact<D>, contact: &ContactSolution<D>) -> Option<String> {
     let Pair::Obstacle { obstacle, .. } = &of.pair else {
         return None;
@@ -162,7 +163,7 @@ fn along_a_curve<const D: usize>(of: &Contact<D>, contact: &ContactSolution<D>) 
     })
 }
 
-/// A curved obstacle whose motion brings it to where it was not opposite: its overlap with nodes that have no force.
+/// A curved obstacle that moves in front of nodes to which it was not opposite: its overlap with nodes without a force.
 fn met_elsewhere<const D: usize>(
     of: &Contact<D>,
     condition: &Condition<D>,
@@ -194,10 +195,10 @@ fn met_elsewhere<const D: usize>(
         let place = add_scaled(node.point, 1.0, jump);
         let outward = surface.normal(place)?.map(|c| sign * c);
         let depth = -sign * surface.distance(place);
-        // what conditions in the mean leave at a node is seen as well without the way along the side
+        // the rest of mean conditions at a node is visible without the motion along the side, too
         let seen = dot(node.normal, jump) - sign * surface.distance(node.point);
         let new = node.gap.is_nan() || seen < 0.5 * depth;
-        // the far side of the obstacle is another one
+        // the far side of the obstacle does not count
         (new && dot(outward, node.normal) < 0.0).then_some((depth, node.point))
     };
     let (depth, point) = open.filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0))?;

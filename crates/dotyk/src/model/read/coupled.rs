@@ -1,4 +1,4 @@
-//! What becomes of the points of couples: their motion, and the force that they pass on to their sides.
+//! Results at the points of couples: their motion, and the force that they pass on to their sides.
 
 use crate::contact::pushed;
 use crate::geometry::Point;

@@ -1,4 +1,4 @@
-//! What a solution tells of bodies and contacts: stresses, reactions by side, and the state of every contact node.
+//! Results of bodies and contacts: stresses, reactions by side, and the state of every contact node.
 
 use crate::contact::{Coupling, InterfaceNode, Role, pushed};
 use crate::dual::{AdmissibleSet, NONE};
@@ -152,7 +152,7 @@ fn body_solution<const D: usize>(
     })
 }
 
-/// What has yielded of a body since the last step began.
+/// Yielding of a body since the last step began.
 ///
 /// Errors: a group of cells without a material.
 fn yielding<const D: usize>(
@@ -185,8 +185,8 @@ fn yielding<const D: usize>(
     }))
 }
 
-/// Forces of beds that only press go from those of contacts to those of springs, where they belong; those of bars from there to
-/// what is given back: forces by node ON each body.
+/// Moves forces of beds that only press from the contact forces to those of springs, where they belong, and the forces of bars from
+/// there to the result: forces by node ON each body.
 fn link_forces<const D: usize>(
     model: &Model<D>,
     conditions: &[Condition<D>],
@@ -197,7 +197,7 @@ fn link_forces<const D: usize>(
     let mut of_bars = vec![BTreeMap::new(); model.bodies.len()];
     for (rows, condition) in row_ranges(conditions) {
         for (body, rows_on) in condition.ends().filter(|(part, _)| *part < count) {
-            // what is in the forces of contacts already are those of the problem
+            // the contact forces already contain those of the problem
             for (row, offset) in rows_on.iter().zip(&condition.offset) {
                 for &(node, c) in row.iter().filter(|_| *offset != 0.0) {
                     let sum = &mut states[body].contact_forces[node];
@@ -304,20 +304,20 @@ fn part_reactions<const D: usize>(
     sums
 }
 
-/// What the rows of one contact came out as.
+/// Results of the rows of one contact.
 struct Rows<'a> {
     gaps: &'a [f64],
     /// Forces.
     lambda: &'a [f64],
-    /// The same above what joints bear in tension: nothing where they are open.
+    /// The same, counted from the tensile strength of joints: zero where they are open.
     borne: &'a [f64],
-    /// What the shear of the nodes with friction does, at their normal rows; `None` elsewhere.
+    /// State of the shear of nodes with friction, at their normal rows; `None` elsewhere.
     shears: &'a [Option<Shear>],
     /// Work that friction dissipated in them before this step.
     dissipated: f64,
 }
 
-/// What the shear of every node with friction does, at its normal row (m,).
+/// State of the shear of every node with friction, at its normal row (m,).
 fn shears(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Option<Shear>> {
     let mut shears = vec![None; lambda.len()];
     for (block, range) in admissible.iter() {
@@ -328,8 +328,8 @@ fn shears(admissible: &AdmissibleSet, lambda: &[f64]) -> Vec<Option<Shear>> {
     shears
 }
 
-/// Tangential displacement of a node relative to the other side as its rows see it; along a direction that supports hold, and
-/// that has no row, that `at_node`.
+/// Tangential displacement of a node relative to the other side by its rows; along a direction without a row, held by supports, the
+/// displacement `at_node`.
 fn mean_slip<const D: usize>(
     condition: &Condition<D>,
     node: &InterfaceNode<D>,
@@ -374,7 +374,7 @@ fn contact_solution<const D: usize>(
 ) -> ContactSolution<D> {
     let body = &model.bodies[condition.nonmortar.body.0];
     let coupling = condition.interface.coupling;
-    // projected methods leave traces of force where a contact is open
+    // projected methods leave small forces where a contact is open
     let none = NONE * borne.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let node_state = |node: &InterfaceNode<D>| {
         let u_nonmortar = states[condition.nonmortar.body.0].u[node.node];
@@ -399,8 +399,7 @@ fn contact_solution<const D: usize>(
             let relative = sub(sub(u_nonmortar, u), fitted);
             add_scaled(relative, -along(relative), node.normal())
         });
-        // friction opposes the slip of its rows; in the plane, where it has no direction but forwards and back, that of the
-        // node is told
+        // friction opposes the slip of its rows; in the plane, with only two directions, the slip of the node is given
         let slip = match D {
             2 => at_node,
             _ => mean_slip(condition, node, at_node, (states, obstacle)),
@@ -478,8 +477,8 @@ fn contact_solution<const D: usize>(
     }
 }
 
-/// The force on the nonmortar body, its moment about the origin, and how far the forces on both bodies, as the rows of B apply them, are from balance:
-/// forces relative to the sum of the nodal forces, moments to that times the size of the interface; the larger.
+/// The force on the nonmortar body, its moment about the origin, and the imbalance of the forces on both bodies as the rows of B apply
+/// them: forces relative to the sum of the nodal forces, moments to that times the size of the interface; the larger.
 fn balance<const D: usize>(
     model: &Model<D>,
     condition: &Condition<D>,

@@ -1,7 +1,7 @@
-//! Where a probe is read along: points of a line, or the nodes of a side in their order.
+//! Places along which a probe is read: points of a line, or the nodes of a side in their order.
 //!
-//! A side falls into pieces where its chains end, at its sharp corners for what depends on the normal, and between materials for
-//! what depends on these: such a node then stands there twice, with the normal of each of its faces and the material of each of
+//! A side is split where its chains end, at sharp corners for quantities that depend on the normal, and between materials for
+//! quantities that depend on these: such a node is listed twice, with the normal of each of its faces and the material of each of
 //! its cells.
 
 use crate::contact::nodal_weights;
@@ -18,7 +18,7 @@ pub(crate) struct Station<const D: usize> {
     pub s: f64,
     /// Undeformed.
     pub point: Point<D>,
-    /// What its value is made of; `None` where there is none.
+    /// Nodes and weights of its value; `None` where there is no value.
     pub located: Option<Located<D>>,
     /// ∫N dS over the side, or the part of it that a point of integration stands for, with thickness or 2πr; zero on a line.
     pub share: f64,
@@ -26,7 +26,7 @@ pub(crate) struct Station<const D: usize> {
     pub starts: bool,
 }
 
-/// Where a side falls into pieces although its facets go on.
+/// Places where a side is split although its facets go on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Breaks {
     /// At sharp corners.
@@ -91,7 +91,7 @@ pub(crate) fn stations_at<const D: usize>(
 /// The nodes of a side in the order of its chains, middle nodes included, with the means of the facets' unit normals; of a
 /// closed chain the first once more at its end.
 ///
-/// In space the nodes have no order, and the places none from each other: what is left of them is each with its normal and share.
+/// In space the nodes have no order and the places no distance along the side: each has only its normal and share.
 ///
 /// Errors: a side that is not there or is empty.
 pub(crate) fn stations_along<const D: usize>(

@@ -1,4 +1,4 @@
-//! What is read off displaced bodies and their contact forces: fields, sections, probes, peaks, and what is to be told of them.
+//! Results read off displaced bodies and their contact forces: fields, sections, probes, peaks, and remarks on them.
 
 pub mod assumptions;
 pub mod coupled;

@@ -1,10 +1,9 @@
-//! What a contact does at each node of the facets of its side.
+//! The state of a contact at each node of the facets of its side.
 //!
-//! A node at a sharp corner has a state for each of its faces: a facet has the one whose normal fits its own; of those that a
-//! node has against a near and a far surface the one that bears most. In space only the
-//! corners of facets carry multipliers: the nodes between them have, for each of their facets, what is linear between the states
-//! that this facet has at its corners, and the state of that one of these which bears most. So they agree with what the
-//! multipliers say, and a node that bears is not called open.
+//! A node at a sharp corner has a state for each of its faces, and a facet takes the one whose normal fits its own. A node with
+//! states against a near and a far surface takes the one with the larger force. In space only the corners of facets carry
+//! multipliers: for each of their facets, nodes between corners have values linear between the corners, and the status of the
+//! corner with the largest force. So they agree with the multipliers, and a loaded node is not called open.
 
 use crate::geometry::{Point, add_scaled, dot, unit};
 use crate::mesh::{Facet, Mesh};
@@ -53,8 +52,8 @@ impl<'a, const D: usize> OnSide<'a, D> {
             .reduce(bearing_most)
     }
 
-    /// The nodes between corners that have no state of their own, once for each of their facets; none in the plane, where all
-    /// nodes of a side carry multipliers, and none at corners without a state.
+    /// The nodes between corners without a state of their own, once for each of their facets. In the plane, where all nodes of a side
+    /// carry multipliers, there are no such nodes; nor beside corners without a state.
     pub fn between(&self) -> impl Iterator<Item = Between<'a, D>> {
         let facets = if D == 2 { &[] } else { self.facets };
         facets.iter().flat_map(|&facet| self.between_on(facet))
@@ -85,7 +84,7 @@ impl<'a, const D: usize> OnSide<'a, D> {
 }
 
 impl<const D: usize> Between<'_, D> {
-    /// What is linear between the corners.
+    /// The linear interpolation between the corners.
     pub fn mean(&self, value: impl Fn(&ContactNode<D>) -> f64) -> f64 {
         self.corners
             .iter()
@@ -101,7 +100,7 @@ impl<const D: usize> Between<'_, D> {
         })
     }
 
-    /// The state of the corner that bears most.
+    /// The status of the corner with the largest force.
     pub fn status(&self) -> Option<Status> {
         let corners = self.corners.iter().map(|(node, _)| *node);
         corners.reduce(bearing_most).map(|node| node.status)
@@ -123,7 +122,7 @@ fn bearing_most<'a, const D: usize>(
     if bears(b) > bears(a) { b } else { a }
 }
 
-/// The one of several whose normal fits a normal best; of equal ones the first.
+/// The item whose normal fits a normal best; of equal ones the first.
 pub(crate) fn fitting<T, const D: usize>(
     several: impl IntoIterator<Item = T>,
     normal: Point<D>,

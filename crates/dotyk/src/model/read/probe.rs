@@ -1,8 +1,8 @@
 //! Probes: numbers read off a solution, interpolated in the containing cell or along the nonmortar side.
 //!
-//! What is known at the nodes is a vector or a tensor; it is interpolated, and the number that is asked for is taken of it at the
-//! point: σ_m = m·(ΣNₐσₐ)·m with the direction m there, not ΣNₐ(mₐ·σₐ·mₐ). A cell has the stress of its own material, its strength,
-//! too. Means and integrals are Σ wₖ q(xₖ) over points of integration; largest and smallest values are those at nodes.
+//! Nodal vectors and tensors are interpolated first, and the requested number is taken of the result at the point:
+//! σ_m = m·(ΣNₐσₐ)·m with the direction m there, not ΣNₐ(mₐ·σₐ·mₐ). A cell has the stress and the strength of its own material.
+//! Means and integrals are Σ wₖ q(xₖ) over points of integration; largest and smallest values are those at nodes.
 
 use crate::contact::frame;
 use crate::fem::{
@@ -25,7 +25,7 @@ use crate::model::read::on_side::{OnSide, fitting};
 use crate::model::system::condition::Condition;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A smaller shape function is rounding: that node has no part in the value.
+/// A smaller shape function is rounding: that node does not contribute to the value.
 const NO_WEIGHT: f64 = 1e-12;
 
 /// A point nearer to a node, in parts of the distance to the next one, is that node: places are typed with six digits.
@@ -34,9 +34,9 @@ const ON_THE_NODE: f64 = 1e-6;
 /// Where a probe is read: the same in every load step.
 #[derive(Default)]
 pub(crate) struct Site<const D: usize> {
-    /// The places that it is read along; none where it is read otherwise.
+    /// The places along which it is read; empty where it is read otherwise.
     stations: Vec<Station<D>>,
-    /// Where its value at a point comes from: the mean of those at one or two places.
+    /// Source of its value at a point: the mean of the values at one or two places.
     at: Vec<Located<D>>,
 }
 
@@ -86,7 +86,7 @@ pub(crate) fn sites<const D: usize>(
     model.probes.iter().map(named).collect()
 }
 
-/// Reads a probe that the model does not have off a solution of what was there then.
+/// Reads a probe that the model does not have off a solution of one of its stages.
 ///
 /// Errors: as [`sites`] and [`read_probes`].
 pub(crate) fn read_probe<const D: usize>(
@@ -228,10 +228,10 @@ fn read<const D: usize>(
             let Parts::Along(of, _) = probe.quantity.parts else {
                 return Err(ProbeError::NoPlace);
             };
-            // a mean is that of the part of the side that faces something
+            // a mean covers the part of the side with an opposite side
             let facing = |n: &&ContactNode<D>| probe.reading != Reading::Mean || !n.gap.is_nan();
             let nodes = solution.contacts[of].nodes.iter().filter(facing);
-            // what a contact has depends on no material
+            // quantities of a contact depend on no material
             let value = |n: &ContactNode<D>| (field.value)(&Located::at_node(0, n.node, n.normal));
             reduced(probe.reading, nodes.map(|n| (n.point, n.weight, value(n))))
         }
@@ -314,7 +314,7 @@ fn along_bar<const D: usize>(bar: &BarSolution<D>, reading: Reading<D>) -> Read<
     at_stations(stations.map(|at| (at.point, at.length, at.force)), reading)
 }
 
-/// What is known at stations (place, share, value) at the one nearest to a point, or what they become.
+/// The value at the station (place, share, value) nearest to a point, or the reduction of all.
 fn at_stations<const D: usize>(
     stations: impl Iterator<Item = (Point<D>, f64, f64)>,
     reading: Reading<D>,
@@ -327,7 +327,7 @@ fn at_stations<const D: usize>(
     reduced(reading, stations).unwrap_or(f64::NAN.into())
 }
 
-/// Whose nodes a quantity is read at: those of a body, or of the nonmortar side of a contact.
+/// The nodes at which a quantity is read: those of a body, or of the nonmortar side of a contact.
 #[derive(Clone, Copy)]
 enum Carrier<'a> {
     Body(usize),
@@ -343,7 +343,7 @@ impl Carrier<'_> {
     }
 }
 
-/// What a quantity is in a solution.
+/// The values of a quantity in a solution.
 enum Quantified<'a, const D: usize> {
     Number(f64),
     Varies(ReadField<'a, D>),
@@ -374,7 +374,7 @@ impl<'a, const D: usize> ReadField<'a, D> {
     }
 }
 
-/// What a probe reads, before it is said where.
+/// The quantity of a probe, before its place is chosen.
 fn field<'a, const D: usize>(
     model: &'a Model<D>,
     solution: &'a Solution<D>,
@@ -452,7 +452,7 @@ fn field<'a, const D: usize>(
                 .map(|block| body.material(block).ok()?.strength)
                 .collect();
             let value = move |at: &Located<D>| {
-                // what yields has no more than its yield stress at points, whatever lies between nodes
+                // material that yields has at most its yield stress at points, whatever lies between nodes
                 if let (Some(_), Some(own)) = (&solved.yielding, &solved.utilisation) {
                     let place = |node: usize| solved.borders.place(at.block, node);
                     return at.interpolate(|node| [own.nodal[place(node)]])[0];
@@ -514,7 +514,7 @@ fn rotation<const D: usize>(body: &BodySolution<D>, reading: Reading<D>, axis: u
     turns.get(axis).copied().unwrap_or(f64::NAN)
 }
 
-/// The places that a probe is read along; none where it is read otherwise.
+/// The places along which a probe is read; empty where it is read otherwise.
 ///
 /// Errors: a line that misses the body or leaves the side of the contact; a side that the quantity is not of.
 fn stations<const D: usize>(
@@ -533,7 +533,7 @@ fn stations<const D: usize>(
             if !of_contact && matches!(probe.reading, Reading::Mean | Reading::Integral) {
                 return stations_within(body, &side.side, model.analysis);
             }
-            // where what it depends on has two values
+            // places where normal or material has two values
             let breaks = Breaks {
                 corners: probe.quantity.needs_side() || of_contact,
                 materials: probe.quantity.depends_on_material(),
