@@ -613,7 +613,7 @@ fn along<const D: usize>(
     }
 }
 
-/// A component of a stress at a point with this normal, at this place from the centre; `None` with axial symmetry.
+/// A component of a stress at a point with this normal; `from` is its position relative to the centre, `None` with axial symmetry.
 fn stress<const D: usize>(
     component: Stress,
     s: [f64; 6],
@@ -639,7 +639,7 @@ fn across<const D: usize>(s: [f64; 6], normal: Point<D>) -> f64 {
     s[0] * x * x + s[1] * y * y + s[2] * z * z + 2.0 * (s[3] * x * y + s[4] * y * z + s[5] * x * z)
 }
 
-/// Stress of a plane analysis in the direction around a centre, at this place from it; NaN in the centre.
+/// Hoop stress of a plane analysis around a centre, at a position relative to it; NaN in the centre.
 fn hoop<const D: usize>(s: [f64; 6], from: Point<D>) -> f64 {
     let [x, y] = [from[0], from[1]];
     (s[0] * y * y + s[1] * x * x - 2.0 * s[3] * x * y) / (x * x + y * y)
@@ -700,7 +700,7 @@ fn inner<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> f64 {
 /// A value at a node with its place and its share of volume or side.
 type Sample<const D: usize> = (Point<D>, f64, f64);
 
-/// One number of some at nodes; those that are no numbers do not count. `None` where it is read at a point.
+/// The reduction of nodal values to one number, NaN left out. `None` where the probe is read at a point.
 fn reduced<const D: usize>(
     reading: Reading<D>,
     samples: impl Iterator<Item = Sample<D>>,
@@ -720,7 +720,7 @@ fn reduced<const D: usize>(
     }
 }
 
-/// The value that is before all others, and its place; of equal ones the first.
+/// The value that precedes all others, and its place; of equal ones the first.
 fn first<const D: usize>(
     samples: impl Iterator<Item = Sample<D>>,
     before: fn(f64, f64) -> bool,
@@ -746,7 +746,7 @@ fn sums<const D: usize>(samples: impl Iterator<Item = Sample<D>>) -> (f64, f64) 
     })
 }
 
-/// Nodes and shape functions at a point of what a quantity is read at.
+/// Nodes and shape functions at a point of the carrier of a quantity.
 ///
 /// Errors: a point outside the body or beside the side.
 fn located<const D: usize>(
@@ -760,7 +760,7 @@ fn located<const D: usize>(
         Carrier::Side(side) => side_facets(mesh, &side.side)?,
     };
     let mut found = locate_on_side(mesh, side, at).ok_or(ProbeError::Beside { point: at })?;
-    // a node with no part in the value may have none, which is NaN
+    // a node without a contribution may have no value, which is NaN
     let none = found.shape.iter_mut().filter(|n| n.abs() < NO_WEIGHT);
     none.for_each(|n| *n = 0.0);
     Ok(found)
@@ -789,7 +789,7 @@ fn neighbours<const D: usize>(mesh: &Mesh<D>, found: Located<D>, at: Point<D>) -
         .collect()
 }
 
-/// Values of all probes of a model, in their order; NaN of those of what is not there.
+/// Values of all probes of a model, in their order; NaN for those of absent parts.
 pub(crate) fn all_probes<const D: usize>(
     model: &Model<D>,
     mut found: Vec<ProbeValue>,

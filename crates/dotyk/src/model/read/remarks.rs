@@ -1,4 +1,4 @@
-//! What a run and a check say of bodies and contacts as they are given.
+//! Remarks of a run and a check on bodies and contacts as they are given.
 
 use crate::contact::Role;
 use crate::fem::{OutOfBalance, Short, nearest_node, out_of_balance, show, tilted};
@@ -12,24 +12,24 @@ use crate::model::read::unglued::unglued;
 use crate::model::system::condition::Condition;
 use rayon::prelude::*;
 
-/// What was found about one contact.
+/// Description of one contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactCheck<const D: usize> {
     /// Its name.
     pub name: String,
-    /// `body.side` of the side that carries the multipliers, and of what it touches.
+    /// `body.side` of the side that carries the multipliers, and of the other side.
     pub sides: [String; 2],
     /// Multipliers.
     pub unknowns: usize,
     /// Nodes of the nonmortar side.
     pub nodes: usize,
-    /// Nodes of the nonmortar side that face nothing, by position.
+    /// Nodes of the nonmortar side without an opposite side, by position.
     pub alone: Vec<Point<D>>,
-    /// Largest initial penetration (zero: none).
+    /// Largest initial penetration (zero without any).
     pub penetration: f64,
     /// Smallest initial clearance.
     pub clearance: f64,
-    /// The gap is given, so that a penetration is an interference that is meant.
+    /// The gap is given, so that a penetration is an intended interference.
     pub given: bool,
     /// Mean length of the facets of the nonmortar side.
     pub facet: f64,
@@ -44,7 +44,7 @@ const ROUNDING: f64 = 1e-12;
 /// Penetrations below this part of a facet are inaccuracies of coordinates: nodes that near coincide.
 const INACCURATE: f64 = 1e-6;
 
-/// What can be said of each contact before anything is solved.
+/// Description of each contact before the solution.
 pub(crate) fn check_contacts<const D: usize>(
     model: &Model<D>,
     conditions: &[Condition<D>],
@@ -82,7 +82,7 @@ pub(crate) fn check_contacts<const D: usize>(
     conditions.iter().filter_map(look).collect()
 }
 
-/// What a run should say of bodies, too.
+/// Remarks on bodies that a run reports, too.
 pub(crate) fn body_remarks<const D: usize>(stage: &Stage<'_, D>) -> Vec<String> {
     let model = stage.model.as_ref();
     let bodies = model.bodies.par_iter().enumerate();
@@ -93,7 +93,7 @@ pub(crate) fn body_remarks<const D: usize>(stage: &Stage<'_, D>) -> Vec<String> 
         .collect()
 }
 
-/// What a run should say of contacts, too, at the time of their gaps.
+/// Remarks on contacts that a run reports, too, at the time of their gaps.
 pub(crate) fn contact_remarks<const D: usize>(
     model: &Model<D>,
     conditions: &[Condition<D>],
@@ -108,7 +108,7 @@ pub(crate) fn contact_remarks<const D: usize>(
     found
 }
 
-/// Two bodies of different thickness: a traction is over one of them.
+/// A warning about two bodies of different thickness: a traction refers to one of them.
 fn unlike<const D: usize>(
     model: &Model<D>,
     contact: &Contact<D>,
@@ -124,7 +124,7 @@ fn unlike<const D: usize>(
     })
 }
 
-/// What the user should know of contacts; what many of them have in common is told once.
+/// Warnings about contacts; a warning common to many of them is given once.
 pub(crate) fn remarks<const D: usize>(contacts: &[ContactCheck<D>]) -> Vec<String> {
     let idle = |c: &&ContactCheck<D>| !c.alone.is_empty() && c.alone.len() == c.nodes;
     let in_part = |c: &&ContactCheck<D>| !c.alone.is_empty() && c.alone.len() < c.nodes;
@@ -166,7 +166,7 @@ pub(crate) fn remarks<const D: usize>(contacts: &[ContactCheck<D>]) -> Vec<Strin
     remarks
 }
 
-/// What the user should know of a body.
+/// Warnings about a body.
 fn of_body<const D: usize>(stage: &Stage<'_, D>, id: BodyId) -> Vec<String> {
     let model = stage.model.as_ref();
     let body = &model.bodies[id.0];
@@ -178,8 +178,8 @@ fn of_body<const D: usize>(stage: &Stage<'_, D>, id: BodyId) -> Vec<String> {
         .collect()
 }
 
-/// A warning about an initial stress that is not in equilibrium with the body force: ground that moves before anything is
-/// done to it.
+/// A warning about an initial stress that is not in equilibrium with the body force: ground that moves without any change of
+/// loads or supports.
 fn moving_ground<const D: usize>(stage: &Stage<'_, D>, id: BodyId) -> Option<String> {
     let model = stage.model.as_ref();
     let (body, touched) = (&model.bodies[id.0], stage.touched(id));
@@ -203,8 +203,7 @@ fn moving_ground<const D: usize>(stage: &Stage<'_, D>, id: BodyId) -> Option<Str
     ))
 }
 
-/// Warnings about components of an initial stress out of the plane: one that has been forgotten, and shear that an excavation
-/// would release.
+/// Warnings about out-of-plane components of an initial stress: a forgotten one, and shear that an excavation would release.
 fn out_of_plane<const D: usize>(analysis: Analysis, body: &Body<D>) -> Vec<String> {
     let (Some(stress), Analysis::PlaneStrain) = (&body.initial.stress, analysis) else {
         return Vec::new();
@@ -229,7 +228,7 @@ fn out_of_plane<const D: usize>(analysis: Analysis, body: &Body<D>) -> Vec<Strin
 /// A point nearer to a node than this part of the body's size is that node: places are typed with ten digits at most.
 const ON_A_NODE: f64 = 1e-9;
 
-/// Warnings about point loads and supports that act at a node which is not where they were put.
+/// Warnings about point loads and supports that act at a node away from the given point.
 fn moved_points<const D: usize>(body: &Body<D>) -> Vec<String> {
     let loads = body.loads.iter().map(|load| ("force", load.place()));
     let supports = body
@@ -260,7 +259,7 @@ fn moved_points<const D: usize>(body: &Body<D>) -> Vec<String> {
     moved.collect()
 }
 
-/// A warning about bodies whose cells are badly shaped, first the one with the worst.
+/// A warning about bodies with badly shaped cells, beginning with the worst.
 fn poor_cells<const D: usize>(model: &Model<D>) -> Option<String> {
     let bodies = model.bodies.par_iter();
     let all = bodies.map(|body| (worst_quality(body), body.name.as_str()));

@@ -1,5 +1,5 @@
-//! Section forces N, V, M of bodies with two long sides: the cuts, what pushes on either part, and the resultant of what is ahead of a cut.
-//! Signs stand with the noun, `nouns/section.rs`.
+//! Section forces N, V, M of bodies with two long sides: the cuts, the external forces, and their resultant on the part ahead of a cut.
+//! For the signs see `nouns/section.rs`.
 
 use crate::fem::{Ahead, Analysis, Body, Push};
 use crate::geometry::{Groups, Point, add_scaled, padded, sub};
@@ -73,11 +73,11 @@ impl<const D: usize> Section<D> {
     }
 }
 
-/// How far beyond its end, there and on both sides of its line, the body must not go on for a cut to divide it; of its thickness.
+/// A cut divides the body if this distance beyond its end, on its line and on both sides of it, is outside; relative to the thickness.
 const BEYOND: f64 = 0.15;
 
-/// The first cut behind whose end the body goes on, and that end. A face along the line of the cut has the body on one side,
-/// and behind a re-entrant corner there is none.
+/// The first cut beyond whose end the body goes on, and that end. A face along the line of the cut has the body on one side,
+/// and beyond a re-entrant corner there is no body.
 fn within(mesh: &Mesh<2>, cuts: &[Cut]) -> Option<(usize, [f64; 2])> {
     let around = cuts.iter().flat_map(|cut| {
         let reach = BEYOND * cut.thickness();
@@ -101,7 +101,7 @@ fn within(mesh: &Mesh<2>, cuts: &[Cut]) -> Option<(usize, [f64; 2])> {
     Some((inside / 2, end))
 }
 
-/// Where all sections of a model are cut, before anything is solved.
+/// The cuts of all sections of a model, before the solution.
 ///
 /// Errors: those of [`Section::check`], with the section's name.
 pub(crate) fn lay_out<const D: usize>(model: &Model<D>) -> Result<Vec<Laid<D>>, Error<D>> {
@@ -125,7 +125,7 @@ pub(crate) fn lay_out<const D: usize>(model: &Model<D>) -> Result<Vec<Laid<D>>, 
     laid.collect()
 }
 
-/// Parts of a cut that a rule of three points is used in.
+/// Parts of a cut, each integrated by a rule of three points.
 const PARTS: usize = 16;
 
 /// Places across a cut with their weights.
@@ -152,8 +152,8 @@ fn places_on<const D: usize>(body: &Body<D>, cut: &Cut) -> Vec<(Option<Located<D
         .collect()
 }
 
-/// What pushes each body that has sections, under forces `lambda` (m,): supports of sides, contacts, couples, and beds that only
-/// press. Contacts that have nodes in common are one: the force there is that of both.
+/// External forces on each body with sections, under forces `lambda` (m,): supports of sides, contacts, couples, and beds that only
+/// press. Contacts with common nodes count as one: the force there is that of both.
 pub(crate) fn pushes<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,

@@ -1,14 +1,14 @@
-//! The largest stress of a body, and whether it is a number at all: places where linear elasticity has no finite stress.
+//! The largest stress of a body, and whether it converges: places where linear elasticity has no finite stress.
 //!
 //! They are found from the model, not from the values: nodes with a point force, and corners of the boundary whose interior
-//! angle is too large for what holds their two sides,
+//! angle is too large for the supports of their two sides,
 //!
 //! ```text
-//!   the same on both (free, or held alike)  180°      free beside clamped  60°      anything else  90°
+//!   the same on both (free, or held alike)  180°      free beside clamped  60°      all other pairs  90°
 //! ```
 //!
-//! and ends of contacts that bear a force and form, with the other body, an angle above 180°. Nodes of a polygon that stands
-//! for a curve are no corners: they turn as their neighbours do.
+//! and ends of contacts that bear a force and form, with the other body, an angle above 180°. Nodes of a polygon that represents
+//! a curve are not corners: they turn as their neighbours do.
 //!
 //! Source: M. L. Williams, Stress singularities resulting from various boundary conditions in angular corners of plates in
 //! extension, J. Appl. Mech. 19 (1952) 526–528, as described in textbooks.
@@ -25,32 +25,32 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-/// An angle counts as too large when it is so by this, in degrees: meshes and drawings are not exact.
+/// Tolerance of angles, in degrees: meshes and drawings are not exact.
 const ROOM: f64 = 10.0;
 
-/// A node that turns by more is a corner whatever its neighbours do: six facets are no circle. In degrees.
+/// A larger turn at a node is a corner whatever its neighbours do: six facets are not a circle. In degrees.
 const NO_CURVE: f64 = 60.0;
 
-/// A point force counts where it would make this part of the stress there.
+/// A point force counts if it causes at least this part of the stress there.
 const FELT: f64 = 0.01;
 
-/// The sine of the angle between a normal and the axis that it is along, squared.
+/// A normal is along an axis if the square of the sine of their angle is below this.
 const PARALLEL: f64 = 1e-9;
 
 /// The two ends of a contact lie opposite within this many facets.
 const OPPOSITE: f64 = 1.5;
 
-/// Stresses elsewhere within this factor: then the largest is not due to the place.
+/// With stresses elsewhere within this factor the largest one is not due to the place.
 const STANDS_OUT: f64 = 1.05;
 
 /// Part of a body's volume, with thickness or 2πr, that the usual stresses hold.
 const USUAL: f64 = 0.995;
 
-/// Outlines of all bodies, made when they are asked for first: they are those of every load step.
+/// Outlines of all bodies, made on first use: they are those of every load step.
 #[derive(Default)]
 pub(crate) struct Outlines(OnceLock<Known>);
 
-/// What does not change from step to step, of each body.
+/// Data of each body that do not change from step to step.
 struct Known {
     outlines: Vec<Outline>,
     /// Facets that are sides of a contact.
@@ -103,8 +103,8 @@ pub(crate) fn peaks<const D: usize>(
     each.collect()
 }
 
-/// The largest of the values of one body where stress is given, and if it is at one of these nodes, what it is beside them; what is
-/// far below `scale` is rounding.
+/// The largest of the values of one body at the places of its stress, and, if it is at or next to one of these nodes, the values away
+/// from them; a value far below `scale` is rounding.
 fn peak<const D: usize>(
     model: &Model<D>,
     (body, BodySolution { borders, .. }): (&Body<D>, &BodySolution<D>),
@@ -163,10 +163,10 @@ fn around<const D: usize>(mesh: &Mesh<D>, places: &Places) -> Places {
     wider
 }
 
-/// The value that [`USUAL`] of the volume does not exceed, or this bound if it is less; and the part that does not.
+/// The value not exceeded in [`USUAL`] of the volume, or this bound if it is less; and the part of the volume below it.
 fn usual(volumes: &[f64], values: &[f64], bound: f64) -> (f64, f64) {
     let nodes = values.iter().zip(volumes);
-    // those of corners of quadratic cells may be negative
+    // volumes of corners of quadratic cells may be negative
     let nodes = nodes.map(|(&value, &volume)| (value, volume.max(0.0)));
     let mut sorted: Vec<(f64, f64)> = nodes.filter(|(value, _)| !value.is_nan()).collect();
     sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -182,14 +182,14 @@ fn usual(volumes: &[f64], values: &[f64], bound: f64) -> (f64, f64) {
     (high, held / whole)
 }
 
-/// What holds a facet of the boundary.
+/// The support of a facet of the boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Hold {
     Free,
     Guided {
-        /// 0 and 1 those of the axes, 2 the normal.
+        /// 0 and 1 the axes, 2 the normal.
         direction: usize,
-        /// It is that of the normal.
+        /// The direction is that of the normal.
         normal: bool,
     },
     Clamped,
@@ -231,7 +231,7 @@ struct Outline {
 }
 
 impl Outline {
-    /// Of a body in space: nothing.
+    /// The outline of a plane body; empty in space.
     fn of<const D: usize>(body: &Body<D>) -> Self {
         let mesh = &body.mesh;
         if D != 2 {
@@ -283,7 +283,7 @@ impl Outline {
         corner.facets.into_iter().find(|&other| other != facet)
     }
 
-    /// Corners that are too wide for what holds their sides; not those inside a tie, which goes on in the other body.
+    /// Corners too wide for the supports of their sides; not those inside a tie, where the other body goes on.
     fn corners<const D: usize>(&self, body: &Body<D>, tied: &BTreeSet<usize>) -> Places {
         let contracts = |m: &Material| m.elastic.poisson != 0.0;
         let contracts = body.materials.iter().any(contracts);
@@ -303,14 +303,14 @@ impl Outline {
     }
 }
 
-/// By how much the boundary turns from one facet to the next, in degrees; to the left is positive, around a convex corner.
+/// The turn of the boundary from one facet to the next, in degrees; positive to the left, around a convex corner.
 fn turn<const D: usize>(mesh: &Mesh<D>, [before, after]: [Facet; 2]) -> f64 {
     let a = mesh.facet_tangents(before, &[1.0])[0];
     let b = mesh.facet_tangents(after, &[-1.0])[0];
     (a[0] * b[1] - a[1] * b[0]).atan2(dot(a, b)).to_degrees()
 }
 
-/// The facets that supports hold, and those that move with a point as a rigid body does.
+/// The facets held by supports, and those that move rigidly with a point.
 fn held<const D: usize>(body: &Body<D>) -> BTreeMap<Facet, Hold> {
     let mut directions: BTreeMap<Facet, BTreeSet<usize>> = BTreeMap::new();
     for support in &body.supports {
@@ -388,7 +388,7 @@ fn ends<const D: usize>(model: &Model<D>, side: &SideRef) -> Vec<(usize, Facet)>
     both.map(|(&node, &facet)| (node as usize, facet)).collect()
 }
 
-/// Ends of contacts that bear a force there and do not end with the other body.
+/// Ends of contacts that bear a force there, unless both bodies end there.
 fn ends_of_contacts<const D: usize>(
     model: &Model<D>,
     Known {
@@ -428,14 +428,14 @@ fn ends_of_contacts<const D: usize>(
 /// The end of a side in contact.
 struct End {
     node: usize,
-    /// The facet of the boundary that goes on behind it.
+    /// The facet of the boundary beyond it.
     beside: Option<Facet>,
     /// Body and node that it touches; `None` for an obstacle.
     opposite: Option<(usize, usize)>,
 }
 
 impl End {
-    /// Both bodies do not end together, and neither goes on in a neighbour or behind a line of symmetry.
+    /// The bodies do not both end here, and neither goes on in a neighbour or beyond a line of symmetry.
     fn is_edge(&self, outlines: &[Outline], body: usize, covered: &[BTreeSet<Facet>]) -> bool {
         let Some(beside) = self.beside.filter(|beside| !covered[body].contains(beside)) else {
             return false;
@@ -449,7 +449,7 @@ impl End {
         if outlines[body].hold(beside) == Hold::Free {
             return own + opposite > 180.0 + ROOM;
         }
-        // held, it is a punch that is guided, if the other one goes on without a support
+        // with a support it is a guided punch if the other body goes on without a support
         self.opposite.is_some_and(|(other, node)| {
             let corner = outlines[other].corners.get(&node);
             let facets = corner.map_or(&[][..], |corner| &corner.facets[..]);
@@ -475,7 +475,7 @@ fn covered<const D: usize>(
     covered
 }
 
-/// The node of a contact that is nearest to a point is near and in contact.
+/// The node of a contact nearest to a point is within reach and in contact.
 fn bears<const D: usize>(nodes: &[ContactNode<D>], at: Point<D>, reach: f64) -> bool {
     let away = |node: &&ContactNode<D>| distance(node.point, at);
     let nearest = nodes.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
@@ -491,7 +491,7 @@ fn nearest<const D: usize>(model: &Model<D>, side: &SideRef, at: Point<D>) -> Op
     nearest.map(|&node| node as usize)
 }
 
-/// Nodes with a point load or the force of a point support that is felt in the stress there.
+/// Nodes with a point load, or the force of a point support, that is noticeable in the stress there.
 fn point_forces<const D: usize>(
     model: &Model<D>,
     body: &Body<D>,
@@ -671,7 +671,7 @@ mod tests {
         };
         assert_eq!(coupled(CoupleKind::Rigid), [place(1.0), place(3.0)]);
         assert_eq!(coupled(CoupleKind::Average), []);
-        // what does not contract is not restrained
+        // a material without lateral contraction is not restrained
         let cork = Elastic {
             poisson: 0.0,
             ..STEEL
@@ -789,7 +789,7 @@ mod tests {
         let even = vec![2.0; 1000];
         assert_eq!(usual(&even, &values, f64::INFINITY), (994.0, 0.995));
         assert_eq!(usual(&even, &values, 500.0), (500.0, 0.501));
-        // what is large may be most of the body
+        // large stresses may fill most of the body
         let mut heavy = even;
         heavy[999] = 1e6;
         assert_eq!(usual(&heavy, &values, f64::INFINITY).0, 999.0);

@@ -1,5 +1,5 @@
-//! What cells make of bodies that bend or keep their volume: linear ones give way too little, and pressures at single nodes
-//! may be none.
+//! Checks of cells in bodies that bend or keep their volume: linear cells are too stiff, and pressures at single nodes may
+//! vanish wrongly.
 
 use crate::fem::{Analysis, INCOMPRESSIBLE, Unseen, unseen};
 use crate::geometry::{Point, dot};
@@ -9,22 +9,22 @@ use crate::model::nouns::model::{Body, Model};
 use crate::model::nouns::solution::{BodySolution, ContactNode, ContactSolution, Status};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Linear cells that lack more of the compliance of their body are told.
+/// Linear cells that lack more than this part of the compliance of their body are reported.
 const LACKING: f64 = 0.08;
 
 /// Stresses of the displacements below this part of the total ones, and strains of that part of a motion, are rounding.
 const UNDISTURBED: f64 = 1e-10;
 
-/// A body with less than this part of the energy of all is only breathed at.
+/// A body with less than this part of the energy of all bodies does not count.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// From this ratio of Poisson on pressures may differ from cell to cell although displacements are right.
+/// From this Poisson's ratio on, pressures may differ from cell to cell although displacements are right.
 const KEEPS_VOLUME: f64 = 0.49;
 
-/// Pressures that differ from the stresses beside them by more than this part of them.
+/// Largest relative difference of pressures from the stresses beside them.
 const UNEVEN: f64 = 0.12;
 
-/// A body whose linear cells give way too little; `all` is the strain energy of all bodies.
+/// A warning about a body whose linear cells are too stiff; `all` is the strain energy of all bodies.
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn too_stiff<const D: usize>(
@@ -57,7 +57,7 @@ pub(crate) fn too_stiff<const D: usize>(
         _ => "bends, or its linear cells are too large".to_string(),
     };
     let cure = instead(kind, model.analysis, locks);
-    // around an axis the volume also resists by the hoop strain, which no mode lets go
+    // around an axis the hoop strain also resists changes of volume, and no mode releases it
     let turns = model.analysis == Analysis::Axisymmetric;
     let least = if locks && turns { "at least" } else { "about" };
     Ok(Some(format!(
@@ -67,7 +67,7 @@ pub(crate) fn too_stiff<const D: usize>(
     )))
 }
 
-/// A body that has yielded in linear cells: what yields keeps its volume, and they cannot do so and deform.
+/// A warning about a body that has yielded in linear cells: plastic flow keeps the volume, and such cells then lock.
 pub(crate) fn locks_plastic<const D: usize>(
     body: &Body<D>,
     solved: &BodySolution<D>,
@@ -104,7 +104,7 @@ fn poisson<const D: usize>(body: &Body<D>) -> f64 {
     ratios.fold(0.0, f64::max)
 }
 
-/// Whether the strains of a body are rounding: in ground that nobody touches, and where it moves as a whole.
+/// Whether the strains of a body are rounding: in undisturbed ground, and where it moves as a whole.
 fn rests<const D: usize>(body: &Body<D>, solved: &BodySolution<D>) -> bool {
     let most = |of: &[f64]| of.iter().fold(0.0, |s: f64, c| s.max(c.abs()));
     let strain = most(solved.strain.as_flattened());
@@ -115,9 +115,9 @@ fn rests<const D: usize>(body: &Body<D>, solved: &BodySolution<D>) -> bool {
         || strain * body.mesh.diameter() <= UNDISTURBED * motion
 }
 
-/// A contact of a nearly incompressible body whose pressures are not those of the stresses beside them.
+/// A warning about a contact of a nearly incompressible body whose pressures differ from the stresses beside them.
 ///
-/// Sums of them are right, as displacements are; where the body is too stiff, that is what is to be said.
+/// Their sums are right, as displacements are; where the body is too stiff, only that is reported.
 pub(crate) fn uneven_pressures<const D: usize>(
     model: &Model<D>,
     contact: &ContactSolution<D>,
@@ -158,8 +158,8 @@ pub(crate) fn uneven_pressures<const D: usize>(
     })
 }
 
-/// Open nodes of the nonmortar side within what is in contact: all neighbours along the edges of facets are closed, two at least. Of
-/// pressures that alternate between zero and twice what they should be every second one is such a node.
+/// Open nodes of the nonmortar side within the contact area: all neighbours along the edges of facets are closed, two at least. If
+/// pressures alternate between zero and twice the right value, every second node is such a node.
 pub(crate) fn enclosed<const D: usize>(
     model: &Model<D>,
     contact: &ContactSolution<D>,

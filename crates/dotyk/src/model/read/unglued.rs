@@ -1,7 +1,7 @@
 //! Parts of one body that lie on each other without common nodes: a mesh whose coincident nodes were never merged.
 //!
-//! Such parts are not glued; they go through each other and leave each other without a word. A facet of the boundary lies on
-//! another one if each of its corners does on one of the other, within [`SAME`] of the facet. Sides of contacts are meant so.
+//! Such parts are not connected; they penetrate and separate without a message. A facet of the boundary lies on another one if each
+//! of its corners lies on one of the other, within [`SAME`] of the facet. Sides of contacts are intended to do so.
 
 use crate::fem::show;
 use crate::geometry::{Point, distance};

@@ -1,5 +1,5 @@
-//! What the steps of a stage are looked at with: where probes are read and sections cut, what is to be told of the bodies as they are
-//! given, and what they are from outside. None of it changes from step to step.
+//! Data for reading the steps of a stage: places of probes, cuts of sections, remarks on the bodies as they are given, and their outer
+//! surfaces. They do not change from step to step.
 
 use crate::mesh::Skin;
 use crate::model::nouns::error::Error;
@@ -13,23 +13,23 @@ use crate::model::system::condition::Condition;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// What is made once for all steps of a stage.
+/// Data made once for all steps of a stage.
 pub(crate) struct View<const D: usize> {
-    /// Where each probe is read.
+    /// Places of each probe.
     pub sites: Vec<Site<D>>,
-    /// Where each section is cut.
+    /// Cuts of each section.
     pub laid: Vec<Laid<D>>,
-    /// What the user should know of the bodies as they are given.
+    /// Remarks on the bodies as they are given.
     pub remarks: Vec<String>,
-    /// Where stresses may be singular.
+    /// Outlines, for places where stresses may be singular.
     pub outlines: Outlines,
     skins: OnceLock<Vec<Skin<D>>>,
 }
 
 impl<const D: usize> View<D> {
-    /// That of a model whose contacts are paired.
+    /// The view of a model whose contacts are paired.
     ///
-    /// Errors: a probe that has no place, a section that cannot be cut, with its name.
+    /// Errors: a probe without a place, a section that cannot be cut, with its name.
     pub fn new(stage: &Stage<'_, D>, conditions: &[Condition<D>]) -> Result<Self, Error<D>> {
         let model = stage.model.as_ref();
         Ok(Self {
@@ -41,7 +41,7 @@ impl<const D: usize> View<D> {
         })
     }
 
-    /// That of a model with the same bodies and contacts, and other probes, sections or loads.
+    /// The view of a model with the same bodies and contacts, and other probes, sections or loads.
     ///
     /// Errors: as [`Self::new`].
     pub fn of_same(
@@ -57,7 +57,7 @@ impl<const D: usize> View<D> {
         })
     }
 
-    /// The outer surfaces of all bodies, made when they are asked for first.
+    /// The outer surfaces of all bodies, made on first use.
     pub fn skins(&self, model: &Model<D>) -> &[Skin<D>] {
         let bodies = model.bodies.par_iter();
         self.skins

@@ -1,4 +1,4 @@
-//! Λ of all conditions: what each of their nodes can bear.
+//! Λ of all conditions: the admissible forces of each of their nodes.
 
 use crate::contact::{ContactError, Coupling, Role};
 use crate::dual::{AdmissibleSet, Block, Friction};
@@ -34,7 +34,7 @@ pub(crate) fn admissible_set<const D: usize>(
     Ok(AdmissibleSet::new(blocks))
 }
 
-/// What the nodes of a contact, by its place, can bear.
+/// Blocks of the nodes of a contact, given by its place.
 fn of_contact<const D: usize>(
     model: &Model<D>,
     (index, condition): (usize, &Condition<D>),
@@ -68,7 +68,7 @@ fn of_contact<const D: usize>(
     blocks.collect()
 }
 
-/// Prepares the numbers of a contact's law at its nodes.
+/// Evaluates the fields of a contact's law at its nodes beforehand.
 pub(crate) fn prepare_law<const D: usize>(
     contact: &Contact<D>,
     condition: &Condition<D>,

@@ -86,7 +86,7 @@ impl LinearOperator for CompliantBodies {
 /// Columns that products with F take at a time: enough to share the reading of a factor, few enough for the memory.
 const BLOCK: usize = 16;
 
-/// y = the sum of what every body has on its rows.
+/// y = the sum over all bodies of the values on their rows.
 fn scatter<'a>(rows: impl Iterator<Item = &'a BodyRows>, parts: &[Vec<f64>], y: &mut [f64]) {
     y.fill(0.0);
     for (rows, part) in rows.zip(parts) {
@@ -102,10 +102,10 @@ fn scatter<'a>(rows: impl Iterator<Item = &'a BodyRows>, parts: &[Vec<f64>], y: 
 /// that a row between two bodies weighs them by their softness. A row with one body has δ = 1.
 ///
 /// For forces of one wave length let r be the ratio of the stiffnesses of two bodies, so that F⁻¹ = S₁/(1 + r). With the shares
-/// δ₁ = 1/(1 + s), δ₂ = s/(1 + s) M = F⁻¹ where r = s, and both are apart by 1 + s/(1 + s)² · (r/s + s/r − 2) elsewhere. A thin
-/// plate on a block is as stiff as the block under forces from node to node, and softer by many powers of ten under long waves: with
-/// the softness of short waves alone M would be as wrong. s is the geometric mean of the ratios at both ends, from which both
-/// are apart alike.
+/// δ₁ = 1/(1 + s), δ₂ = s/(1 + s), M = F⁻¹ where r = s, and M = (1 + s/(1 + s)² · (r/s + s/r − 2)) F⁻¹ elsewhere. A thin plate on a
+/// block is as stiff as the block under forces from node to node, and softer by many powers of ten under long waves: with the softness
+/// of short waves alone M would be wrong by the same powers. s is the geometric mean of the ratios for the shortest and the longest
+/// waves, so that the error is the same at both ends.
 /// Source: as described for FETI methods by Z. Dostál and others (scaled Dirichlet preconditioner).
 pub(crate) struct BoundaryStiffness {
     len: usize,
@@ -160,7 +160,7 @@ impl BoundaryStiffness {
     }
 }
 
-/// `None` where no row touches the body, and for what is rigid, which gives way nowhere.
+/// `None` where no row touches the body, and for a rigid part, which has no compliance.
 fn boundary_part<const D: usize>(
     body: &LoadedBody<D>,
     factor: &Cholesky,
@@ -206,7 +206,7 @@ fn boundary_part<const D: usize>(
 /// Products with F_b after which its largest eigenvalue is known well enough for a weight.
 const PRODUCTS: usize = 6;
 
-/// Forces of which less than this part is balanced are motions of the body.
+/// Forces of which less than this part is balanced cause rigid motions only.
 const BALANCED: f64 = 1e-10;
 
 /// About the largest softness of a body under balanced contact forces: that of the longest waves.
@@ -226,7 +226,7 @@ fn largest_softness<const D: usize>(body: &LoadedBody<D>, factor: &Cholesky) -> 
             }
         }
     };
-    // no motion of the body, and the same for any order of sums
+    // not a rigid motion of the body, and the same for any order of sums
     let start = |i: usize| 1.0 + (1.7 * i as f64).sin();
     let mut x: Vec<f64> = (0..rows.index.len()).map(start).collect();
     let mut softness = 0.0;
@@ -234,7 +234,7 @@ fn largest_softness<const D: usize>(body: &LoadedBody<D>, factor: &Cholesky) -> 
         let whole = norm(&x);
         balanced(&mut x);
         let size = norm(&x);
-        // where nothing else is balanced, rounding is left
+        // without a balanced part only rounding remains
         if size <= BALANCED * whole {
             break;
         }

@@ -22,7 +22,7 @@ use crate::model::system::laid::{Anchor, LaidBar, lay_bars};
 use crate::model::system::links::{axis, carrier, less, linked};
 
 impl<const D: usize> Bar<D> {
-    /// What one of its elements can bear, of so many bars, and from where that counts.
+    /// The block of one of its elements for `count` bars, and the force from which its λ counts.
     pub(crate) fn law(&self, count: f64) -> (Block, f64) {
         let half = |most: f64| 0.5 * count * most;
         match (self.strength(), self.tension_only) {
@@ -38,7 +38,7 @@ impl<const D: usize> Bar<D> {
         }
     }
 
-    /// Its slip is a plastic elongation, which grows, and slackness is none of it.
+    /// Its slip is a plastic elongation, which only grows; slackness is not part of it.
     pub(crate) fn slackens(&self) -> bool {
         self.tension_only && self.yields.is_some()
     }
@@ -62,7 +62,7 @@ fn rows_on<const D: usize>(laid: &LaidBar<D>, body: usize) -> Vec<Row<D>> {
     laid.elements().map(row).collect()
 }
 
-/// The condition of a bar, by its place, where it lies, and its part.
+/// The condition of a bar from its place in the model, its laid-out points, and its part.
 pub(crate) fn barred<const D: usize>(
     stage: &Stage<'_, D>,
     (place, laid): (usize, &LaidBar<D>),

@@ -4,18 +4,17 @@
 //!   gap = −(n·u − q) ≥ 0,  λ ≥ 0      k = kₙ A         q = λ/k: pressed in
 //! ```
 //!
-//! A bed is springs side by side, each of which parts by itself. They stand at the points of integration of the facets, of the area
-//! A = weight · Jacobian: u = Σ Nₐuₐ there, and where all press they do the work of the bed that acts both ways,
+//! A bed is a row of springs, each of which parts by itself. They are at the points of integration of the facets, with the area
+//! A = weight · Jacobian: u = Σ Nₐuₐ there, and where all press their work is that of a bed that acts both ways,
 //!
 //! ```text
 //!   Σ_q k_q (n·u)² = Σ_q kₙ A_q (n·u)² = ∫ kₙ (n·u)² dS        for every u of straight facets, with rules of degree 2 · order
 //! ```
 //!
 //! of a line 2 points, or 3 with a middle node; 4 or 9 of a quadrilateral, 3 or 6 of a triangle: one to three times its nodes, and
-//! all of positive weight. Conditions at nodes would have to share the area out among them, k = kₙ∫N: a stiffness that a side which
-//! turns feels too large, by a third with one facet across a footing, by 1/n² of that with n. And with the nodal forces of
-//! the whole bed, ∫NᵀCN dS u, as what must not pull, corners of curved facets would part under an even pressure, because
-//! their ∫N is no more than zero.
+//! all of positive weight. Conditions at nodes would divide the area among them, k = kₙ∫N, which is too stiff for a side that
+//! turns: by a third with one facet across a footing, by 1/n² of that with n facets. Conditions on the nodal forces of the whole
+//! bed, ∫NᵀCN dS u, would open corners of curved facets under an even pressure, because their ∫N is at most zero.
 
 use crate::contact::{Coupling, Interface, InterfaceNode, Row, frame};
 use crate::dual::Block;
@@ -26,7 +25,7 @@ use crate::model::nouns::model::Model;
 use crate::model::system::condition::{Condition, Elastic, Source};
 use crate::model::system::links::{axis, carrier, less, linked};
 
-/// The condition of a bed, by its body and which of its springs it is, and its part.
+/// The condition of a bed, from its body, the index of its spring, and its part.
 ///
 /// Errors: a side that has no points of integration.
 pub(crate) fn bedded<const D: usize>(

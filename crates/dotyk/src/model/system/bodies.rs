@@ -1,7 +1,7 @@
-//! Bodies at a time: K, f, R and what is held, assembled, with the rows of B that touch them.
+//! Bodies at a time: K, f, R and the held dofs, assembled, with the rows of B that touch them.
 //!
-//! What is rigid and moves stands behind the bodies (`parts.rs`). A time changes loads, prescribed displacements, gaps and the motion
-//! of obstacles; K and B stay.
+//! Rigid parts that move follow the bodies (`parts.rs`). Loads, prescribed displacements, gaps and the motion of obstacles change with
+//! time; K and B stay.
 
 use crate::contact::Row;
 use crate::fem::{ALONG, BodySystem, History, assemble_after, largest_coefficient};
@@ -52,7 +52,7 @@ pub(crate) struct LoadedBody<const D: usize> {
 }
 
 impl<const D: usize> LoadedBody<D> {
-    /// Forces of the supports ON the dofs of a rigid part, under forces `lambda` (m,); zero at those that nothing holds.
+    /// Forces of the supports ON the dofs of a rigid part, under forces `lambda` (m,); zero at free dofs.
     pub fn held_forces(&self, lambda: &[f64]) -> Vec<f64> {
         let mut forces: Vec<f64> = self.system.load.iter().map(|f| -f).collect();
         self.rows.add_forces(1.0, lambda, &mut forces);
@@ -88,8 +88,8 @@ impl<const D: usize> LoadedBody<D> {
     }
 }
 
-/// Assembles all bodies at a time, with what is left of what holds each, but for those that have been before, which only take
-/// their loads and prescribed displacements anew; rigid parts follow them.
+/// Assembles all bodies at a time, each with its history. Bodies that were assembled before take only new loads and prescribed
+/// displacements; rigid parts follow.
 pub(crate) fn systems<const D: usize>(
     model: &Model<D>,
     (before, histories): (Vec<Option<BodySystem<D>>>, Vec<History<D>>),
@@ -109,9 +109,9 @@ pub(crate) fn systems<const D: usize>(
     Ok(systems)
 }
 
-/// Turns nodes that contact forces reach along one oblique direction alone into it: with one contact dof instead of D the boundary
-/// stiffness is D² times smaller. So it is on flat sides without friction, and, with forces node by node, on curved ones. In the
-/// plane, where contacts are short, nothing is gained.
+/// Turns nodes on which contact forces act in a single oblique direction into that direction: with one contact dof instead of D
+/// the boundary stiffness is D² times smaller. That applies to flat sides without friction and, with forces node by node, to curved
+/// ones. In the plane, where contacts are short, it has no benefit.
 pub(crate) fn turn_to_forces<const D: usize>(
     systems: &mut [BodySystem<D>],
     conditions: &[Condition<D>],
@@ -122,7 +122,7 @@ pub(crate) fn turn_to_forces<const D: usize>(
     let mut rows: Vec<Vec<&Row<D>>> = vec![Vec::new(); systems.len()];
     for condition in conditions {
         for (body, more) in condition.ends() {
-            // a rigid part is no body
+            // a rigid part is not a body
             if let Some(rows) = rows.get_mut(body) {
                 rows.extend(more);
             }
@@ -133,9 +133,9 @@ pub(crate) fn turn_to_forces<const D: usize>(
         .for_each(|(system, rows)| system.turn(oblique_forces(&rows)));
 }
 
-/// Nodes at which all of some rows have one direction that is along no axis, and that direction, of length 1.
+/// Nodes at which all of some rows have one direction that is not along an axis, and that direction, of length 1.
 fn oblique_forces<const D: usize>(rows: &[&Row<D>]) -> impl Iterator<Item = (usize, Point<D>)> {
-    // size beside the largest coefficient of its row, and direction, of the coefficient at each node that is largest so
+    // at each node the coefficient that is largest relative to its row: that ratio, and its direction
     let mut largest: BTreeMap<usize, (f64, Point<D>)> = BTreeMap::new();
     for row in rows {
         let scale = largest_coefficient(row);
@@ -194,8 +194,8 @@ pub(crate) fn body_rows<const D: usize>(
         .collect()
 }
 
-/// What every row gives way where only its own dofs move, (len,): Σ b²/K_ii over the free dofs of all bodies. It bounds the
-/// compliance of the row from below and does not depend on how floating bodies are grounded.
+/// Compliance of every row if only its own dofs move, (len,): Σ b²/K_ii over the free dofs of all bodies. It bounds the compliance
+/// of the row from below and does not depend on how floating bodies are grounded.
 pub(crate) fn least_softness<const D: usize>(bodies: &[LoadedBody<D>], len: usize) -> Vec<f64> {
     let mut softness = vec![0.0; len];
     for body in bodies {
@@ -212,7 +212,7 @@ pub(crate) fn least_softness<const D: usize>(bodies: &[LoadedBody<D>], len: usiz
     softness
 }
 
-/// The largest resultant load of any body, and of any load by itself.
+/// The largest resultant load of a body, or of a single load.
 pub(crate) fn largest_load<const D: usize>(bodies: &[LoadedBody<D>]) -> f64 {
     let resultant = |body: &LoadedBody<D>| {
         let forces = body.system.to_global(&body.system.load).into_iter();
@@ -238,7 +238,7 @@ pub(crate) fn add_rows<const D: usize>(
     }
 }
 
-/// Sum of the nodal forces of a body: its load's own scale.
+/// Sum of the magnitudes of the nodal forces of a body: the scale of its load.
 pub(crate) fn load_size<const D: usize>(body: &LoadedBody<D>) -> f64 {
     body.system.load.iter().map(|f| f.abs()).sum()
 }

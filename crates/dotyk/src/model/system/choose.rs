@@ -9,26 +9,26 @@ use std::collections::BTreeMap;
 /// side carries the multipliers, unless it would show the facets of the other.
 const SOFTER: f64 = 10.0 * (1.0 + 1e-9);
 
-/// The displacement of straight facets of length H has kinks, which the pressures of a finer side with facets of length h
-/// answer: by its relative stiffness times ln(H/h), a few per cent where this is above the following.
+/// The displacement of straight facets of length H has kinks. The pressures of a finer side with facets of length h oscillate there
+/// in proportion to its relative stiffness times ln(H/h), by a few per cent where this product exceeds the following.
 const SHOWS: f64 = 1.6;
 
 /// Around a curve, where they turn by θ, the pressures of the finer side oscillate by about this times θ ln(H/h) (measured
 /// on rings, 16 to 40 facets on a quarter of the circle, h = H/5 to H/2), times its relative stiffness if above 1.
 const KINKS: f64 = 0.19;
 
-/// Largest part of their mean by which they may.
+/// Largest oscillation that is allowed, relative to the mean pressure.
 const VISIBLE: f64 = 0.02;
 
 /// Sides whose edges differ by less than this factor are equally fine.
 const ALIKE: f64 = 1.05;
 
-/// Sides whose edges differ by less than this factor differ by rounding: of these it is the one that is named first, however the
-/// model is turned.
+/// Sides whose edges differ by less than this factor differ by rounding: of these the one named first is chosen, however the model is
+/// oriented.
 const SAME: f64 = 1.0 + 1e-9;
 
 /// Index of the side that carries the multipliers: that of the more compliant body; within a factor 10 the finer one, unless
-/// that would show the straight facets of the other. A side that supports hold altogether cannot carry them.
+/// that would show the straight facets of the other. A side held completely by supports cannot carry them.
 pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, ContactError> {
     let stiff = ends.map(stiffness);
     let held = [held(ends[0])?, held(ends[1])?];
@@ -67,10 +67,10 @@ fn shows_kinks<const D: usize>(
     Ok(straight_turn(coarse)?.is_some_and(shown))
 }
 
-/// Edges of a side that is as good for the multipliers as the other are no longer than by this factor.
+/// Either of two sides may carry the multipliers if their edges differ by at most this factor.
 const AS_FINE: f64 = 1.5;
 
-/// Whether either of two sides may carry the multipliers: none is much softer, much coarser, or held.
+/// Whether either of two sides may carry the multipliers: neither is much softer, much coarser, or held.
 pub(crate) fn either_may<const D: usize>(ends: [End<'_, D>; 2]) -> Result<bool, ContactError> {
     let stiff = ends.map(stiffness);
     let edge = [mean_edge(ends[0])?, mean_edge(ends[1])?];
@@ -78,8 +78,8 @@ pub(crate) fn either_may<const D: usize>(ends: [End<'_, D>; 2]) -> Result<bool, 
     Ok(!held(ends[0])? && !held(ends[1])? && alike(stiff, SOFTER) && alike(edge, AS_FINE))
 }
 
-/// Whether the nonmortar side, the first, is finer where they face each other than a mortar side of much softer material, or than
-/// one whose kinks it shows: far from there either may be as coarse as it likes.
+/// Whether the nonmortar side, the first, is finer than a mortar side of much softer material, or than one whose kinks it shows. Only
+/// the facets that face each other count.
 pub(crate) fn finer_than_softer<const D: usize>(
     [nonmortar, mortar]: [End<'_, D>; 2],
     interface: &Interface<D>,
@@ -115,7 +115,7 @@ fn edges_at<const D: usize>(end: End<'_, D>) -> Result<BTreeMap<usize, f64>, Con
         .collect())
 }
 
-/// Smallest plane modulus E/(1 − ν²) of the cells at a side: what pressures that change from node to node feel.
+/// Smallest plane modulus E/(1 − ν²) of the cells at a side: its stiffness against pressures that alternate from node to node.
 fn stiffness<const D: usize>(end: End<'_, D>) -> f64 {
     let facets = end.body.mesh.side(end.side).unwrap_or_default().iter();
     let blocks = facets.map(|facet| &end.body.mesh.blocks()[facet.block as usize]);
@@ -124,7 +124,8 @@ fn stiffness<const D: usize>(end: End<'_, D>) -> f64 {
     moduli.fold(f64::INFINITY, f64::min)
 }
 
-/// What a support leaves of a unit normal, squared, below which it holds it: normals of straight sides are right to rounding.
+/// A support holds the normal if the square of the free part of the unit normal is below this: normals of straight sides are exact to
+/// rounding.
 const SAME_DIRECTION: f64 = 1e-12;
 
 /// Supports hold the normal displacement of every node of the side.

@@ -1,4 +1,4 @@
-//! F of the bodies on the contact unknowns: assembled, or, where that is dearer, applied (`applied.rs`).
+//! F of the bodies on the contact unknowns: assembled, or applied where that is cheaper (`applied.rs`).
 //!
 //! With the contact dofs ordered last, the trailing block of the Cholesky factor, L_c, is the factor of the body's
 //! boundary stiffness (the paper's (7.8)). Hence
@@ -21,7 +21,7 @@ use std::sync::Arc;
 pub const DENSE_LIMIT: usize = 3000;
 
 /// Up to this many times the limit, F of few bodies in space is assembled if that is cheaper than products through their factors.
-/// Where many bodies clamp each other, what is known entry by entry serves better.
+/// Where many bodies clamp each other, an F known entry by entry is better.
 const DEARER: usize = 3;
 const FEW_BODIES: usize = 4;
 
@@ -45,8 +45,8 @@ pub(crate) enum Assembled {
     Never,
 }
 
-/// Whether F of m unknowns is assembled: up to `limit` nodes, or as many entries in the bodies' parts as theirs; of few bodies in
-/// space, where the method takes few products, above as many unknowns where that pays.
+/// Whether F of m unknowns is assembled: up to the unknowns of `limit` nodes, or if the blocks of the bodies have at most as many
+/// entries as a full F of that size. With few bodies in space, and a method that needs few products, larger ones if that pays.
 pub(crate) fn is_assembled<const D: usize>(
     rows: &[Arc<BodyRows>],
     m: usize,
@@ -55,7 +55,7 @@ pub(crate) fn is_assembled<const D: usize>(
     let most = limit.saturating_mul(if rough { D } else { 1 });
     let entries: usize = rows.iter().map(|rows| rows.index.len().pow(2)).sum();
     let few = rows.iter().filter(|rows| !rows.index.is_empty()).count() <= FEW_BODIES;
-    // above what can be assembled after all the choice would be without a way back
+    // above ASSEMBLED unknowns the choice to apply F could not be reversed
     if D == 3
         && few
         && few_products
@@ -200,7 +200,7 @@ mod tests {
         assert_eq!(space(vec![5000; 2], 5000, false), Always);
         assert_eq!(space(vec![2000; 5], 5000, true), Always);
         assert_eq!(space(vec![60; 1000], 20_000, true), Always);
-        // nothing is assembled where nothing is to be
+        // F is not assembled with a limit of zero
         assert_eq!(
             is_assembled::<3>(&bodies([4, 4]), 4, (0, true, true)),
             Never

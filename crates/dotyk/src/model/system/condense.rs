@@ -4,10 +4,10 @@
 //!   F = B K⁺ Bᵀ,        d = B (u_D + K⁺(f − K u_D)) − g₀,        G = RᵀBᵀ,  e = Rᵀf
 //! ```
 //!
-//! [`linearise`] makes it in layers, and finds by their keys (`key.rs`) those that were made before: a load step takes loads,
-//! prescribed displacements and gaps anew, which changes d and e alone, while stiffness, factors, pairs and F are made once. A stage,
-//! in which something has come or gone, and a model that differs in some body, is connected and condensed anew from what bodies
-//! that are the same keep: stiffness, order and factor.
+//! [`linearise`] makes it in layers, and finds by their keys (`key.rs`) those that were made before. A load step only updates loads,
+//! prescribed displacements and gaps, which changes d and e alone; stiffness, factors, pairs and F are made once. A stage, in which
+//! parts have come or gone, and a model with another body are connected and condensed anew, with the stiffness, order and factor of
+//! bodies that are the same.
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
@@ -39,7 +39,7 @@ use std::collections::BTreeMap;
 use std::mem::take;
 use std::sync::Arc;
 
-/// Overlaps that are all below this part of the displacements they are differences of mean nothing.
+/// If all overlaps are below this part of the displacements whose differences they are, they are rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// The bodies of a model condensed onto the contact unknowns, at one time.
@@ -51,16 +51,16 @@ pub(crate) struct Condensed<const D: usize> {
     pub gaps: Vec<f64>,
     pub floating: Floating,
     pub problem: DualProblem,
-    /// What the user should know of conditions that were dropped.
+    /// Warnings about conditions that were dropped.
     pub dropped: Vec<String>,
     /// Spent so far, earlier steps included.
     pub seconds: Seconds,
     pub time: f64,
-    /// How far the step has gone, where not to its end.
+    /// The fraction of the step reached, if not its end.
     part: Option<Part>,
-    /// What it goes on from.
+    /// The state from which it goes on.
     pub state: Arc<State<D>>,
-    /// What its parts and conditions were made of.
+    /// The model of which its parts and conditions were made.
     made_of: Model<D>,
 }
 
@@ -79,11 +79,11 @@ struct Connected<const D: usize> {
     state: Arc<State<D>>,
 }
 
-/// The dual problem of a stage at a time, from a state, of at most `dense_limit` assembled unknowns; what is the same as `before` is
-/// found there. `look` is shown the conditions, and whether they are those of before, before anything is factored.
+/// The dual problem of a stage at a time, from a state, with at most `dense_limit` assembled unknowns; layers equal to those of `before`
+/// are reused. `look` is called with the conditions, and whether they are those of `before`, before the factorisation.
 ///
-/// Errors: what cannot be assembled, paired or factored; values that are not finite; what takes more memory than there is; a floating
-/// body that nothing can hold; a law without meaning; those of `look`.
+/// Errors: bodies or contacts that cannot be assembled, paired or factored; values that are not finite; too little memory; a floating
+/// body that no contact can hold; an invalid law; those of `look`.
 pub(crate) fn linearise<const D: usize, V>(
     stage: &Stage<'_, D>,
     (time, state): (f64, Arc<State<D>>),
@@ -114,7 +114,7 @@ pub(crate) fn linearise<const D: usize, V>(
 
 /// Assembles the bodies and pairs the contacts of a stage at a time, from a state; bodies that are the same as `before` go on.
 ///
-/// Errors: what cannot be assembled or paired.
+/// Errors: bodies that cannot be assembled, contacts that cannot be paired.
 fn connect<const D: usize>(
     stage: &Stage<'_, D>,
     (time, state): (f64, Arc<State<D>>),
@@ -150,8 +150,8 @@ fn connect<const D: usize>(
 /// Order and factor of a body.
 type Factored = (Arc<Ordered>, Arc<Cholesky>);
 
-/// What the bodies of a model find of themselves in what was before it, by their names; in another run, `goes_on` tells, not what the
-/// contacts there have turned.
+/// Systems and factors of the bodies of a model in the condensed model `before`, by their names. In another run (`goes_on` false) bodies
+/// with nodes turned to contact forces are not reused.
 fn going_on<const D: usize>(
     model: &Model<D>,
     before: Option<Condensed<D>>,
@@ -181,10 +181,9 @@ impl<const D: usize> Condensed<D> {
         self.state.has_things_of(state) && same_conditions(&self.made_of, model)
     }
 
-    /// At another time, from another state: d, e and the friction bounds are taken anew, all else stays. A state at which nothing has
-    /// been begins a run of its own.
+    /// At another time, from another state: d, e and the friction bounds are updated, all else stays.
     ///
-    /// Errors: values that are not finite, a law without meaning.
+    /// Errors: values that are not finite, an invalid law.
     fn drive_to(
         mut self,
         model: &Model<D>,
@@ -203,8 +202,7 @@ impl<const D: usize> Condensed<D> {
 impl<const D: usize> Connected<D> {
     /// The dual problem, of at most `dense_limit` assembled unknowns.
     ///
-    /// Errors: what takes more memory than there is; a body that cannot be factored; a floating body that nothing can hold; a law
-    /// without meaning.
+    /// Errors: too little memory; a body that cannot be factored; a floating body that no contact can hold; an invalid law.
     fn condense(
         self,
         model: &Model<D>,
@@ -238,7 +236,7 @@ impl<const D: usize> Connected<D> {
             .zip(rows)
             .map(|(system, rows)| LoadedBody::new(system, rows));
         let bodies: Vec<LoadedBody<D>> = loaded.collect();
-        // what is kept has its factor
+        // kept bodies have their factors
         let factors = reused(&ordered, self.kept);
         let work = Arc::new(work_of(&ordered, &factors));
         observe(Event::Factoring(Arc::clone(&work)));
@@ -277,8 +275,8 @@ impl<const D: usize> Connected<D> {
     }
 }
 
-/// What orders are made of: a system and rows of each part, the order and factor of bodies that have been before, and nodes that
-/// other stages touch.
+/// Input of the orders: system and rows of each part, order and factor of bodies assembled before, and nodes that other stages
+/// touch.
 #[derive(Clone, Copy)]
 struct OfBodies<'a, const D: usize> {
     systems: &'a [BodySystem<D>],
@@ -288,7 +286,7 @@ struct OfBodies<'a, const D: usize> {
 }
 
 impl<const D: usize> OfBodies<'_, D> {
-    /// The order of one of them: the one that it had, where that serves.
+    /// The order of a body: the previous one if it fits.
     fn order(&self, model: &Model<D>, body: usize, dense: bool) -> Result<Arc<Ordered>, Error<D>> {
         let (system, rows) = (&self.systems[body], &self.rows[body]);
         let lasting = &self.lasting[body];
@@ -307,8 +305,8 @@ impl<const D: usize> OfBodies<'_, D> {
     }
 }
 
-/// The orders of all bodies, and whether F is assembled; what does not fit the memory is not begun. F that would pay, but does not
-/// fit, is applied.
+/// The orders of all bodies, and whether F is assembled. Problems that do not fit the memory are refused; an F that would pay to
+/// assemble, but does not fit, is applied.
 fn ordered<const D: usize>(
     model: &Model<D>,
     of: OfBodies<'_, D>,
@@ -351,7 +349,7 @@ fn ordered<const D: usize>(
     Ok((orders, dense))
 }
 
-/// Factors of bodies whose order is still the one that they had.
+/// Factors of bodies whose order is unchanged.
 fn reused(ordered: &[Arc<Ordered>], kept: Vec<Option<Factored>>) -> Vec<Option<Arc<Cholesky>>> {
     let mut kept = kept.into_iter();
     let each = ordered.iter().map(|ordered| {
@@ -361,7 +359,7 @@ fn reused(ordered: &[Arc<Ordered>], kept: Vec<Option<Factored>>) -> Vec<Option<A
     each.collect()
 }
 
-/// The same step once more, with what joints have lost on its way.
+/// The same step again, with the nodes that joints have lost on the way.
 ///
 /// Errors: those of the step itself.
 pub(crate) fn again<const D: usize>(
@@ -388,8 +386,8 @@ pub(crate) fn assume<const D: usize>(
     drive(model, here, &mut |_| {})
 }
 
-/// The same step, not at its end: loads and prescribed displacements go in a straight line from those of the step before, or from
-/// none, to its own. `None`: at its end.
+/// The same step at a fraction of it: loads and prescribed displacements vary linearly from those of the step before, or from zero, to
+/// its own. `None`: at its end.
 ///
 /// Errors: those of the step itself.
 pub(crate) fn go_part<const D: usize>(
@@ -409,7 +407,7 @@ fn carry<const D: usize>(here: &mut Condensed<D>, yielded: AllYielded) {
     }
 }
 
-/// Takes d, e and the friction bounds anew, at the time and from the state that are told.
+/// Updates d, e and the friction bounds to the time and the state of `here`.
 fn drive<const D: usize>(
     model: &Model<D>,
     here: &mut Condensed<D>,
@@ -443,7 +441,7 @@ fn drive<const D: usize>(
     Ok(())
 }
 
-/// What the factorisations will take, but for factors that are there.
+/// Operations and memory of the factorisations that are still to be done.
 fn work_of(ordered: &[Arc<Ordered>], factors: &[Option<Arc<Cholesky>>]) -> Work {
     let new = || {
         ordered
@@ -483,7 +481,7 @@ fn gaps_after<const D: usize>(conditions: &[Condition<D>], slip: &[f64]) -> Vec<
     gaps.map(|(gap, slip)| gap + slip).collect()
 }
 
-/// d of all bodies: by how much they overlap where there is no contact force.
+/// d of all bodies: their overlap without contact forces.
 fn overlap<const D: usize>(
     bodies: &[LoadedBody<D>],
     factored: &[FactoredBody],
@@ -504,7 +502,7 @@ fn overlap<const D: usize>(
         let moved = body.system.carried.iter().chain(&factored.base);
         largest = moved.fold(largest, |s, u| s.max(u.abs()));
     }
-    // Bodies that their supports carry along together do not overlap: what is left is rounding of the displacement.
+    // Bodies that their supports carry along together do not overlap: the rest is rounding of the displacement.
     if overlap.iter().all(|d| d.abs() <= ROUNDING * largest) {
         overlap.fill(0.0);
     }

@@ -1,11 +1,11 @@
-//! Conditions: what holds parts together, each with rows of B on two or more of them, gaps, and what its forces may be.
+//! Conditions: connections of two or more parts, each with rows of B on them, gaps, and admissible forces.
 //!
 //! ```text
 //!   gap = g₀ − Σ B_part u_part,        λ = offset + μ,  μ ∈ Λ of its law
 //! ```
 //!
-//! Contacts (`contact.rs`), couples (`couple.rs`), and beds and bars (`links.rs`) are made in files of their own; what
-//! stands behind them knows rows, gaps and laws, and asks for the source where it gives an answer back.
+//! Contacts (`contact.rs`), couples (`couple.rs`), and beds and bars (`links.rs`) are made in files of their own; all later code
+//! uses rows, gaps and laws only, and needs the source just to report results.
 
 use crate::contact::{Interface, InterfaceNode, Role, Row, Sample};
 use crate::dual::Block;
@@ -19,7 +19,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Whose a condition is, by places in the model.
+/// The source of a condition, by places in the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
     /// Of a contact.
@@ -44,9 +44,9 @@ impl Source {
     }
 }
 
-/// What holds parts together.
+/// A connection of parts.
 pub(crate) struct Condition<const D: usize> {
-    /// Whose it is.
+    /// Its source.
     pub source: Source,
     /// Its name; of a couple "BODY.POINT", of a bed "spring of BODY.SIDE".
     pub name: String,
@@ -54,58 +54,58 @@ pub(crate) struct Condition<const D: usize> {
     pub nonmortar: SideRef,
     /// The other side; `None` for an obstacle, a point or a link.
     pub mortar: Option<SideRef>,
-    /// The part that the rows of `interface.mortar` act on: a body, a free obstacle, a point, or what gives way in a link.
+    /// The part on which the rows of `interface.mortar` act: a body, a free obstacle, a point, or the elastic part of a link.
     pub opposite: Option<usize>,
     /// Rows on further parts.
     pub further: Vec<(usize, Vec<Row<D>>)>,
     /// Rows, gaps and weights.
     pub interface: Interface<D>,
-    /// What each of its nodes can bear; `None`: anything. Those of a contact bear what its law and a time tell (`admissible.rs`).
+    /// The block of each of its nodes; `None`: any force. For contacts it follows from their law at a time (`admissible.rs`).
     pub law: Option<Block>,
-    /// Where the forces of the problem count from: minus what a whole joint bears in tension, the middle of what a bar bears.
+    /// Offsets of the forces of the problem: minus the tensile strength of a whole joint, the middle of the force range of a bar.
     pub offset: Vec<f64>,
-    /// B u_a (m of the condition,), what the rows of a link came with; nothing of others.
+    /// B u_a (m of the condition,), the displacements in the rows of a link when it came; empty for others.
     pub came_with: Vec<f64>,
     /// Forces at nodes of bodies besides those of rows, while a bar is tightened: body, node, force.
     pub steady: Vec<(usize, usize, Point<D>)>,
-    /// What gives way in it is a part of its own.
+    /// Its elastic part.
     pub elastic: Option<Elastic<D>>,
-    /// Where its rows are, if not at nodes.
+    /// Places of its rows, if not at nodes.
     pub places: Vec<Point<D>>,
-    /// What else there is of the sides of a contact.
+    /// Further data of the sides of a contact.
     pub touch: Touch<D>,
-    /// What the user should know.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
-/// A part that gives way in a link, by nodes.
+/// The elastic part of a link, by nodes.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Elastic<const D: usize> {
-    /// Stiffness of each dof; 0 is held.
+    /// Stiffness of each dof; a dof of stiffness 0 is held.
     pub stiffness: Vec<[f64; D]>,
     /// Load of each dof.
     pub load: Vec<[f64; D]>,
 }
 
-/// What there is of the sides of a contact besides their rows.
+/// Data of the sides of a contact besides their rows.
 pub(crate) struct Touch<const D: usize> {
     /// Prescribed displacement of the obstacle; zero where it is free.
     pub obstacle_motion: [f64; D],
-    /// Points between the nodes that face something, for each facet of the nonmortar side.
+    /// Points between the nodes with an opposite side, for each facet of the nonmortar side.
     pub samples: Vec<Vec<Sample<D>>>,
-    /// Those of facets with a node that takes no part: nothing keeps them apart.
+    /// Such points on facets with an excluded node: no condition keeps them apart.
     pub left_out: Vec<Sample<D>>,
-    /// What its sides were fitted to.
+    /// The displacements to which its sides were fitted.
     pub fit: Fit<D>,
-    /// Where its sides were when its stage began: slip counts from there, and what was apart there is bonded to nothing.
+    /// Displacements of its sides when its stage began: slip counts from there, and nodes that were open then are not bonded.
     pub began: Fit<D>,
     /// By node, whether a joint has parted or slipped there.
     pub lost: Vec<bool>,
-    /// How far the measured gaps are off because polygons stand for curves, at nodes of the nonmortar and of the mortar side.
+    /// Errors of the measured gaps because polygons represent curves, at nodes of the nonmortar and of the mortar side.
     pub missed: [BTreeMap<usize, f64>; 2],
-    /// What other contacts have of its nodes: see `shared.rs`.
+    /// Shares of other contacts in its nodes: see `shared.rs`.
     pub sharers: Vec<Sharer>,
-    /// Its multipliers are finer than the softer side, which then need not tell their forces apart.
+    /// Its multipliers are finer than the softer side, which then may respond alike to different forces.
     pub finer: bool,
 }
 
@@ -125,10 +125,10 @@ impl<const D: usize> Default for Touch<D> {
     }
 }
 
-/// Displacements (nodes,) of the two sides of a contact at some moment; `None` of one that was not there.
+/// Displacements (nodes,) of the two sides of a contact at some moment; `None` for an absent side.
 ///
-/// Of the moment when the later one of two bodies appeared: it was fitted to the other one, so that gaps count from there,
-/// g₀ + B u_a; and of the beginning of a stage.
+/// Used for the moment when the later one of two bodies appeared (it was fitted to the other one, so that gaps count from there,
+/// g₀ + B u_a), and for the beginning of a stage.
 #[derive(Debug, Clone)]
 pub(crate) struct Fit<const D: usize> {
     /// Of the nonmortar body.
@@ -156,7 +156,7 @@ impl<const D: usize> Fit<D> {
         product(&self.own, own) + product(&self.other, other)
     }
 
-    /// Sum of the magnitudes of the parts of that: what it is a difference of.
+    /// Sum of the magnitudes of its terms.
     pub fn magnitude(&self, own: &Row<D>, other: &Row<D>) -> f64 {
         let parts = |u: &Option<Arc<[Point<D>]>>, row: &Row<D>| -> f64 {
             let Some(u) = u else { return 0.0 };
@@ -165,7 +165,7 @@ impl<const D: usize> Fit<D> {
         parts(&self.own, own) + parts(&self.other, other)
     }
 
-    /// By how much the nonmortar side was ahead of the other one at a place, given by nodes and shape functions.
+    /// Displacement of the nonmortar side relative to the other one at a place, given by nodes and shape functions.
     pub fn jump(&self, own: &[(usize, f64)], other: &[(usize, f64)]) -> Point<D> {
         let at = |u: &Option<Arc<[Point<D>]>>, nodes: &[(usize, f64)]| {
             let Some(u) = u else { return [0.0; D] };
@@ -178,7 +178,7 @@ impl<const D: usize> Fit<D> {
 }
 
 impl<const D: usize> Condition<D> {
-    /// Rows of a side and of nothing else that anybody has told.
+    /// A condition with rows of a side, and defaults for all else.
     pub fn new(source: Source, name: String, nonmortar: SideRef, interface: Interface<D>) -> Self {
         Self {
             source,
@@ -199,7 +199,7 @@ impl<const D: usize> Condition<D> {
         }
     }
 
-    /// As messages call it.
+    /// Its name in messages.
     pub fn called(&self) -> String {
         let kind = match self.source {
             Source::Couple(.., CoupleKind::Rigid) => "rigid couple",
@@ -210,7 +210,7 @@ impl<const D: usize> Condition<D> {
         format!("{kind} \"{}\"", self.name)
     }
 
-    /// The contact of the model that it is of.
+    /// The index of its contact in the model.
     pub fn contact(&self) -> Option<usize> {
         match self.source {
             Source::Contact(index) => Some(index),
@@ -223,14 +223,14 @@ impl<const D: usize> Condition<D> {
         self.contact().map(|index| &model.contacts[index])
     }
 
-    /// All of the forces of its rows, of those of the problem (m,) in these.
+    /// Full forces of its rows, offsets included, from those of the problem (m,) in these rows.
     pub fn forces(&self, lambda: &[f64]) -> Vec<f64> {
         let offset = self.offset.iter().copied().chain(std::iter::repeat(0.0));
         let each = lambda.iter().zip(offset);
         each.map(|(l, offset)| l + offset).collect()
     }
 
-    /// Whether the gap of each row is a slip: a force that is bounded does work on it, and it counts from step to step.
+    /// Whether the gap of each row is a slip: a bounded force does work on it, and it is carried from step to step.
     pub fn slides(&self) -> Vec<bool> {
         match self.contact() {
             Some(_) => self.interface.tangential(),
@@ -241,7 +241,7 @@ impl<const D: usize> Condition<D> {
         }
     }
 
-    /// Where a node of its interface is, undeformed; `points` are those of the nonmortar body.
+    /// Undeformed position of a node of its interface; `points` are those of the nonmortar body.
     pub fn place(&self, node: usize, points: &[Point<D>]) -> Point<D> {
         let own = self.places.get(node).copied();
         own.unwrap_or_else(|| points[self.interface.nodes[node].node])
@@ -256,7 +256,7 @@ impl<const D: usize> Condition<D> {
         std::iter::once(own).chain(opposite).chain(further)
     }
 
-    /// This part of a contact and another one.
+    /// Joins this part of a contact with another part.
     pub fn followed_by(mut self, further: Self) -> Self {
         self.interface.append(further.interface);
         self.touch.samples.extend(further.touch.samples);
@@ -274,8 +274,7 @@ impl<const D: usize> Condition<D> {
         self
     }
 
-    /// Takes initial gaps for zero that are rounding of the coordinates they are differences of: sides that touch neither press nor
-    /// part by that.
+    /// Sets initial gaps to zero that are rounding of the coordinates, so that touching sides neither press nor part by rounding.
     pub fn settle(&mut self, points: &[Point<D>]) {
         let nodes = self.interface.nodes.iter();
         let coordinates = nodes.flat_map(|node| points[node.node]);
@@ -286,7 +285,7 @@ impl<const D: usize> Condition<D> {
         none.for_each(|sample| sample.at.gap = 0.0);
     }
 
-    /// Leaves nodes out, and what lies between them and their neighbours.
+    /// Leaves nodes out, with the samples between them and their neighbours.
     pub fn exclude(&mut self, out: &BTreeSet<usize>) {
         self.interface.exclude(out);
         for samples in &mut self.touch.samples {
@@ -329,8 +328,7 @@ impl<const D: usize> Condition<D> {
         gaps
     }
 
-    /// What the sides have moved along each other, or apart, since they were fitted to each other until the stage began, in a row:
-    /// B (u − u_a).
+    /// Relative motion of the sides in a row, from their fitting until the stage began: B (u − u_a).
     pub fn moved_before(&self, row: usize) -> f64 {
         let [own, other] =
             [&self.interface.nonmortar, &self.interface.mortar].map(|rows| &rows[row]);
@@ -338,7 +336,7 @@ impl<const D: usize> Condition<D> {
     }
 }
 
-/// Prescribed displacement of the obstacle of a contact at a time; zero where it is free, or where there is none.
+/// Prescribed displacement of the obstacle of a contact at a time; zero where it is free, or without an obstacle.
 ///
 /// Errors: a displacement that is not finite.
 pub(crate) fn obstacle_motion<const D: usize>(
@@ -376,7 +374,7 @@ pub(crate) fn row_ranges<const D: usize>(
     })
 }
 
-/// The contacts among the conditions, with their places and rows: others have no sides that could overlap.
+/// The contacts among the conditions, with their places and rows: other conditions have no sides that could overlap.
 pub(crate) fn contact_rows<const D: usize>(
     conditions: &[Condition<D>],
 ) -> impl Iterator<Item = (usize, (Range<usize>, &Condition<D>))> {
@@ -389,12 +387,12 @@ pub(crate) fn initial_gaps<const D: usize>(conditions: &[Condition<D>]) -> Vec<f
     conditions.iter().flat_map(Condition::gaps).collect()
 }
 
-/// The same without shears: how far it is to what may hold a body; infinite in tangential rows, whose gap is a slip.
+/// The same without shears: the distance to the contacts that may hold a body; infinite in tangential rows, whose gap is a slip.
 pub(crate) fn clearances<const D: usize>(conditions: &[Condition<D>]) -> Vec<f64> {
     let of_condition = |condition: &Condition<D>| {
         let both = condition.gaps().into_iter().zip(condition.slides());
         let far = |(gap, slides)| match (condition.elastic.is_some(), slides) {
-            // a link is there already
+            // a link is connected already
             (true, _) => 0.0,
             (false, true) => f64::INFINITY,
             (false, false) => gap,
@@ -435,12 +433,12 @@ pub(crate) fn gap_varies<const D: usize>(contact: &Contact<D>) -> bool {
     moved || varying_gap(contact).is_some()
 }
 
-/// What a contact has of a node whose multiplier another one carries.
+/// The share of a contact in a node whose multiplier another contact carries.
 #[derive(Debug, Clone)]
 pub(crate) struct Sharer {
     /// Place of the node in the interface that carries the multiplier.
     pub place: usize,
-    /// The contact that has a part of it, and the place of the node there.
+    /// The contact with this share, and the place of the node there.
     pub at: (usize, usize),
     /// Weight and extent of its facets.
     pub weight: f64,

@@ -1,4 +1,4 @@
-//! All conditions of a stage, in one order: contacts, then what holds the parts that are no bodies, in the order of these.
+//! All conditions of a stage, in one order: contacts, then the connections of the parts that are not bodies, in the order of these.
 
 use crate::fem::Constraints;
 use crate::model::nouns::error::Error;
@@ -13,7 +13,7 @@ use crate::model::system::laid::lay_bars;
 use crate::model::system::parts::{Owner, Parts};
 use rayon::prelude::*;
 
-/// Those of a stage, with the gaps at a time.
+/// The conditions of a stage, with the gaps at a time.
 ///
 /// Errors: sides that cannot be paired; bars that cannot be laid.
 pub(crate) fn all_conditions<const D: usize>(
@@ -29,7 +29,7 @@ pub(crate) fn all_conditions<const D: usize>(
     let laid = lay_bars(model)?;
     for (part, owner) in parts.iter() {
         conditions.push(match owner {
-            // contacts hold these
+            // these parts belong to contacts
             Owner::Body(_) | Owner::Obstacle(_) => continue,
             Owner::Point(of, place) => coupling(model, constraints[of], ((of, place), part), time)?,
             Owner::Bed(of, place) => bedded(model, (of, place), part)?,
@@ -39,9 +39,9 @@ pub(crate) fn all_conditions<const D: usize>(
     Ok(conditions)
 }
 
-/// Takes the gaps and the motion of obstacles at another time; rows, weights and roles stay.
+/// Updates the gaps and the motion of obstacles to another time; rows, weights and roles stay.
 ///
-/// Errors: values that are not finite; a support that says something else than that of a point.
+/// Errors: values that are not finite; a support that contradicts that of a point.
 pub(crate) fn take_gaps<const D: usize>(
     model: &Model<D>,
     constraints: &[&Constraints<D>],

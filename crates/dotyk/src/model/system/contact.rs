@@ -40,7 +40,7 @@ pub(crate) fn touching<const D: usize>(
 
 /// Gives a contact its gaps and the motion of its obstacle at another time; rows, weights and roles stay.
 ///
-/// Errors: those of them.
+/// Errors: those of evaluating them.
 pub(crate) fn contact_gaps<const D: usize>(
     model: &Model<D>,
     constraints: &[&Constraints<D>],
@@ -78,7 +78,7 @@ pub(crate) fn contact_gaps<const D: usize>(
     Ok(())
 }
 
-/// Gaps below this part of what the meshes miss of their curves are rounding: the contact is closed, and nothing is to be said.
+/// Gaps below this part of the meshes' distance from their curves are rounding: the contact is closed, without a remark.
 const CLOSED: f64 = 1e-9;
 
 /// The largest initial gap at nodes and between them, if all are within a bound and not all are rounding of it.
@@ -105,7 +105,7 @@ fn driven<const D: usize>(obstacle: &Obstacle<D>) -> Driven {
     }
 }
 
-/// What a side may touch.
+/// The opposite of a side.
 enum Opposite<'a, const D: usize> {
     Side(&'a SideRef),
     Rigid(&'a Obstacle<D>),
@@ -116,7 +116,7 @@ struct Contacting<'a, const D: usize> {
     model: &'a Model<D>,
     constraints: &'a [&'a Constraints<D>],
     contact: &'a Contact<D>,
-    /// Its place, and the part that its obstacle is, where that is one.
+    /// Its place, and the part of its obstacle, if it is a part.
     at: (usize, Option<usize>),
     time: f64,
 }
@@ -139,7 +139,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         self.paired(nonmortar, opposite, coupling)
     }
 
-    /// Of two sides the one that is to carry the multipliers, or the other, where that is as good and has no slivers.
+    /// Pairs with the chosen one of two sides as the nonmortar side, or with the other if that is as good and has no slivers.
     fn chosen(
         &self,
         sides: &'a [SideRef; 2],
@@ -157,14 +157,14 @@ impl<'a, const D: usize> Contacting<'a, D> {
         if !slivers(&paired) || !either()? {
             return Ok(paired);
         }
-        // what the other cannot be paired to, this one is
+        // if the other side cannot be paired, this one is used
         match with(1 - first) {
             Ok(other) if !slivers(&other) => Ok(other),
             _ => Ok(paired),
         }
     }
 
-    /// The interface of a side and what lies opposite.
+    /// The interface of a side and its opposite.
     fn paired(
         &self,
         nonmortar: &'a SideRef,
@@ -227,7 +227,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         }
     }
 
-    /// Asks for a sampled gap at all the places where it is needed: those where pairing looks at another one.
+    /// Evaluates a sampled gap at all places where it is needed: a trial pairing with a recording field finds them.
     fn prepare_gap(&self) {
         let Some(field) = varying_gap(self.contact).filter(|gap| gap.is_sampled()) else {
             return;
@@ -249,7 +249,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             contact: &contact,
             ..*self
         };
-        // what is wrong is told when the contact itself is paired
+        // errors are reported when the contact itself is paired
         let _ = stand_in.pair();
         let mut seen = std::mem::take(&mut *seen.lock().unwrap_or_else(PoisonError::into_inner));
         seen.sort_by(|a, b| a.partial_cmp(b).unwrap_or(Ordering::Equal));
@@ -274,7 +274,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         }
     }
 
-    /// Warnings about what the rows of an interface leave out.
+    /// Warnings about parts of the sides that the rows of an interface leave out.
     fn unintegrated(&self, interface: &Interface<D>) -> Vec<String> {
         let name = &self.contact.name;
         let [missed, facing] = interface.missed;
@@ -445,7 +445,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         })
     }
 
-    /// The contact with rows, and what else there is of it still to be told.
+    /// The contact with its rows; further data are filled in later.
     fn bare(&self, nonmortar: &SideRef, interface: Interface<D>) -> Condition<D> {
         let name = self.contact.name.clone();
         Condition::new(
@@ -456,8 +456,8 @@ impl<'a, const D: usize> Contacting<'a, D> {
         )
     }
 
-    /// The interface of coincident nodes, where that is what is wanted and possible: a partial overlap of matching sides is
-    /// legal, and so are sides that do not face each other at all.
+    /// The interface of coincident nodes, if wanted and possible: a partial overlap of matching sides is legal, and so are sides that
+    /// do not face each other at all.
     fn conforming(
         &self,
         ends: [End<'_, D>; 2],

@@ -8,7 +8,7 @@ use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::*;
 use crate::model::system::condition::{Condition, Source};
 
-/// The condition of a couple, by its body and its place there, with its point, which is a part; what holds both is that of a time.
+/// The condition of a couple, from its body and its place there, and its point, which is a part; the constraints are those of a time.
 ///
 /// Errors: a side that cannot be coupled; those of [`check_held`].
 pub(crate) fn coupling<const D: usize>(
@@ -40,7 +40,7 @@ pub(crate) fn coupling<const D: usize>(
     })
 }
 
-/// Errors: a support of a node of a rigid side says something else than those of its point, where these hold all of it.
+/// Errors: a support of a node of a rigid side contradicts those of its point, where these hold all its dofs.
 pub(crate) fn check_held<const D: usize>(
     model: &Model<D>,
     constraints: &Constraints<D>,
@@ -57,7 +57,7 @@ pub(crate) fn check_held<const D: usize>(
     let (Some(held), CoupleKind::Rigid) = (held, couple.kind) else {
         return Ok(());
     };
-    // the displacement along a row and the size of its terms, of which it may be left
+    // the displacement along a row, and the size of its terms, which may cancel
     let at_point = |row: &Row<D>| -> [f64; 2] {
         let of_node = |&(node, c): &(usize, Point<D>)| {
             let u = &held[D * node..];

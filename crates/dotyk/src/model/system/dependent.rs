@@ -1,13 +1,14 @@
 //! Conditions that follow from others, such as those of a pair of nodes in two contacts.
 //!
-//! A condition that *ties and supports* imply has a gap that no contact force changes, and one of two frictionless
-//! conditions that say the same at all times says nothing: these get no multiplier, are named in a warning, and are judged
-//! all the same. A slip that supports of both sides prescribe is no such condition: whatever it is, the law tells the shear from it. Other inequalities imply nothing: of two obstacles under one side either may be the nearer one, and on the
-//! two rough walls of a corner a node may stick or slip. They keep their multipliers although F is singular; where
-//! dependent ones bear, how they share their sum is not unique, which a warning tells.
+//! A condition implied by *ties and supports* has a gap that no contact force changes, and of two frictionless conditions that are
+//! the same at all times one is redundant: these get no multiplier, are named in a warning, and are judged all the same. A slip
+//! prescribed by supports of both sides is not such a condition: the law gives a shear for it. Other inequalities imply none: of
+//! two obstacles under one side either may be the nearer one, and on the two rough walls of a corner a node may stick or slip.
+//! They keep their multipliers although F is singular; where dependent ones bear a force, their shares of the sum are not unique,
+//! and a warning says so.
 //!
 //! Dependence is found by Cholesky factorisation of BBᵀ on the free dofs with diagonal pivoting. A row with a free dof of its
-//! own is independent; setting such rows aside again and again leaves few rows, mostly none, for the factorisation.
+//! own is independent; setting such rows aside repeatedly leaves few rows, mostly none, for the factorisation.
 
 use crate::contact::Coupling;
 use crate::dual::DualProblem;
@@ -22,7 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A row is dependent when less than this part of its square is its own.
 const DEPENDENT: f64 = 1e-12;
 
-/// Of more forces that share dofs with each other they are counted, not looked at one by one.
+/// Larger groups of forces that share dofs are only counted, not examined one by one.
 const TOGETHER: usize = 3000;
 
 /// Coefficients of one row on the free dofs, by (body, dof).
@@ -48,7 +49,7 @@ pub(crate) fn drop_implied<const D: usize>(
     let tied = |&(contact, _): &Place| conditions[contact].interface.coupling == Coupling::Tied;
     let equalities: Vec<usize> = (0..rows.len()).filter(|&i| tied(&places[i])).collect();
     let (basis, mut implied) = split(&rows, &equalities);
-    // a slip that supports prescribe follows from them, but the law still tells its shear
+    // a slip prescribed by supports follows from them, but the law still gives its shear
     let shears: Vec<Vec<bool>> = conditions.iter().map(|p| p.slides()).collect();
     let prescribed = |i: usize| rows[i].is_empty() && shears[places[i].0][places[i].1];
     let rest = (0..rows.len()).filter(|&i| !tied(&places[i]) && !prescribed(i));
@@ -77,8 +78,8 @@ pub(crate) fn drop_implied<const D: usize>(
     dropped.into_iter().map(drop).collect()
 }
 
-/// A warning about forces λ (m,) of these bodies and conditions that are not unique, because those of several contacts at a node do the same; `gaps` (m,)
-/// tell which nodes slip.
+/// A warning about forces λ (m,) of these bodies and conditions that are not unique, because the rows of several contacts at a node
+/// are dependent; `gaps` (m,) show which nodes slip.
 pub(crate) fn shared_forces<const D: usize>(
     model: &Model<D>,
     (bodies, conditions): (&[LoadedBody<D>], &[Condition<D>]),
@@ -104,7 +105,7 @@ pub(crate) fn shared_forces<const D: usize>(
             continue;
         };
         let free = block.is_free();
-        // what yields has a part of its own to give way
+        // an interval has an elastic part of its own
         if !free && (!block.is_normal() || lambda[range.start] <= 0.0) {
             continue;
         }
@@ -130,7 +131,7 @@ pub(crate) fn shared_forces<const D: usize>(
         let contacts = together.iter().map(|&i| owners[i].0);
         let contacts: BTreeSet<usize> = contacts.collect();
         let found = match together.len() > TOGETHER {
-            // more forces than dofs: some of them must share
+            // more forces than dofs: some of them are dependent
             true if together.len() > dofs_of(&columns, &together) => together,
             true => Vec::new(),
             false => split_together(&columns, &together).1,
@@ -303,7 +304,7 @@ fn within(rows: &[Sparse], basis: &[usize], some: impl Iterator<Item = usize>) -
     some.filter(implied).collect()
 }
 
-/// Rows of frictionless contacts that say the same as an earlier one at all times.
+/// Rows of frictionless contacts that are the same as an earlier one at all times.
 fn repeated<const D: usize>(
     model: &Model<D>,
     conditions: &[Condition<D>],

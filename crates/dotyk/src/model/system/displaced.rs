@@ -1,4 +1,4 @@
-//! All bodies and rigid parts, displaced under some contact forces, and what of that each contact sees.
+//! All bodies and rigid parts, displaced under some contact forces, and the displacements of the sides of each contact.
 
 use crate::contact::Moved;
 use crate::geometry::{Point, sub};
@@ -15,7 +15,7 @@ pub(crate) struct Displaced<const D: usize> {
     pub parts: Vec<Vec<Point<D>>>,
     /// Gaps of all multipliers.
     pub gaps: Vec<f64>,
-    /// To what these are known.
+    /// Uncertainty of these.
     pub rounding: Vec<f64>,
     /// Gaps after the rigid motions alone.
     pub clearances: Vec<f64>,
@@ -24,9 +24,9 @@ pub(crate) struct Displaced<const D: usize> {
     /// Domain of every part, and rounding of the largest displacement of every domain.
     pub domains: Vec<usize>,
     pub negligible: Vec<f64>,
-    /// Bodies that touch nothing and carry no load.
+    /// Bodies without contact and without load.
     pub hovering: Vec<String>,
-    /// Contacts that press some body let it move.
+    /// Some body is pressed by contacts and still free to move.
     pub loose: bool,
 }
 
@@ -40,7 +40,7 @@ impl<const D: usize> Displaced<D> {
     }
 }
 
-/// What each contact of a model moves with, counted from where its sides were fitted to each other.
+/// Displacements of the sides of each contact of a model, counted from their fitting to each other.
 pub(crate) fn moved<'a, const D: usize>(
     condition: &Condition<D>,
     displaced: &'a Displaced<D>,

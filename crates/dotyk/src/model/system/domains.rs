@@ -1,4 +1,4 @@
-//! Which bodies contacts, couples and links couple, and what the figures of each such domain are compared with.
+//! Domains of bodies coupled by contacts, couples and links, and the scales of their figures.
 
 use crate::dual::{Coupled, Scales};
 use crate::geometry::Groups;
@@ -8,7 +8,7 @@ use crate::model::system::condition::{Condition, row_ranges};
 use crate::model::system::factor::FactoredBody;
 use crate::model::system::floating::Floating;
 
-/// The domain of every part: bodies, then what is rigid, then links. Numbered in the order of their first parts.
+/// The domain of every part: bodies, then rigid parts, then links. Numbered in the order of their first parts.
 pub(crate) fn domains<const D: usize>(conditions: &[Condition<D>], parts: usize) -> Vec<usize> {
     let mut groups = Groups::new(parts);
     for condition in conditions {
@@ -29,7 +29,7 @@ pub(crate) fn domains<const D: usize>(conditions: &[Condition<D>], parts: usize)
     numbers
 }
 
-/// What is coupled in the dual problem of some bodies at a time, with d (m,).
+/// Contacts and domains of the dual problem of some bodies at a time, with d (m,).
 pub(crate) fn coupled<const D: usize>(
     model: &Model<D>,
     (bodies, factored): (&[LoadedBody<D>], &[FactoredBody]),

@@ -1,4 +1,4 @@
-//! What drives bodies and conditions at a time: loads, prescribed values, gaps, and what joints and bars do besides the forces of their rows.
+//! Driving terms of bodies and conditions at a time: loads, prescribed values, gaps, and the offset forces of joints and bars.
 
 use crate::fem::{BodySystem, Constraints, Part};
 use crate::geometry::norm;
@@ -13,8 +13,8 @@ use crate::model::system::parts::rigid_systems;
 use crate::model::system::shared::share_nodes;
 use rayon::prelude::*;
 
-/// Bodies and conditions with the loads, prescribed displacements and gaps of another time; where `part` is given with those of bodies on the
-/// way there. Gaps and prestress are those of the time.
+/// Bodies and conditions with the loads, prescribed displacements and gaps of another time. With `part` the loads and prescribed
+/// displacements of bodies are those at a fraction of the step; gaps and prestress are those of the time.
 pub(crate) fn driven<const D: usize>(
     model: &Model<D>,
     bodies: Vec<LoadedBody<D>>,
@@ -55,9 +55,9 @@ pub(crate) fn driven<const D: usize>(
     Ok((bodies, conditions))
 }
 
-/// Completes the systems of bodies and rigid parts by those of links, gives nodes that contacts have in common one multiplier, drops
-/// conditions that others imply, and adds what joints and bars do besides the forces of the rows that are left, at a time;
-/// `before` tells by the names of contacts what joints have lost. Returns warnings about conditions that were dropped.
+/// Completes the systems of bodies and rigid parts by those of links, gives common nodes of contacts one multiplier, drops conditions
+/// implied by others, and adds the offset forces of joints and bars to the loads, at a time; `before` gives the lost nodes of joints by
+/// the names of contacts. Returns warnings about dropped conditions.
 ///
 /// Errors: those of [`set_offsets`].
 pub(crate) fn complete<const D: usize>(
@@ -85,8 +85,7 @@ fn link_systems<const D: usize>(conditions: &[Condition<D>]) -> Vec<BodySystem<D
         .collect()
 }
 
-/// Adds to the loads what contacts and links do besides the forces of their rows. Of all systems, or, where links keep theirs, of
-/// those before them.
+/// Adds the offset forces of contacts and links to the loads: of all systems or, where links keep their loads, of those before them.
 pub(crate) fn add_offsets<const D: usize>(
     systems: &mut [BodySystem<D>],
     conditions: &[Condition<D>],

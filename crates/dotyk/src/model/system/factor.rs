@@ -16,8 +16,8 @@ use crate::model::system::parts::part_name;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// A dof away from the contacts is grounded only where a mode, of largest displacement 1, moves it by more: else the pivot would
-/// spoil three digits and more.
+/// A dof away from the contacts is grounded only if a mode, of largest displacement 1, moves it by more than this: else the pivot
+/// would cost three digits or more.
 const FAR_ENOUGH: f64 = 1e-3;
 
 /// Elimination order of one body, with its symbolic analysis.
@@ -29,7 +29,7 @@ pub(crate) struct Ordered {
     pub grounded: Vec<usize>,
 }
 
-/// The factor of one body, and what it does without contact.
+/// The factor of one body, and its displacement without contact.
 pub(crate) struct FactoredBody {
     /// Factor of K on the free dofs, grounded ones left out.
     pub factor: Arc<Cholesky>,
@@ -60,7 +60,7 @@ impl FactoredBody {
         Self { factor, base }
     }
 
-    /// Elastic energy of what it does without contact.
+    /// Elastic energy of the displacement without contact.
     pub fn energy<const D: usize>(&self, body: &LoadedBody<D>) -> f64 {
         let works = self.base.iter().zip(&body.reduced_load);
         works.map(|(u, f)| 0.5 * u * f).sum()
@@ -71,7 +71,7 @@ impl FactoredBody {
 struct Touched {
     /// By a row.
     dofs: Vec<bool>,
-    /// Some dof of the node is, or will be in another stage.
+    /// Nodes with such a dof, or that another stage touches.
     nodes: Vec<bool>,
 }
 
@@ -85,13 +85,13 @@ impl Touched {
             }
         }
         let mut nodes = some_of_node::<D>(&dofs);
-        // in space they would cost more than what they save
+        // in space they would cost more than they save
         let lasting = lasting.iter().filter(|_| D == 2);
         lasting.for_each(|&node| nodes[node] = true);
         Self { dofs, nodes }
     }
 
-    /// Those of the kept dofs that stand last.
+    /// The kept dofs that are ordered last.
     fn trailing<const D: usize>(&self, keep: &[bool], dense: bool) -> Vec<usize> {
         // in the plane, where contacts are short, nodes stay whole
         let is_last = |dof: usize| self.dofs[dof] || D == 2 && self.nodes[dof / D];
@@ -112,7 +112,7 @@ fn kept_dofs<const D: usize>(system: &BodySystem<D>, grounded: &[usize]) -> Vec<
 }
 
 impl Ordered {
-    /// Whether it is an order for the same body with other rows, too.
+    /// Whether the order fits the same body with other rows.
     pub fn serves<const D: usize>(
         &self,
         system: &BodySystem<D>,
@@ -152,8 +152,8 @@ pub(crate) fn order<const D: usize>(
 
 /// Orders and analyses K on the dofs with `keep`, those of `trailing` at the end.
 ///
-/// A node of which some dofs are trailing stands among the others with the rest of its dofs: the graph of the inner nodes, and
-/// with it their elimination tree, is the same.
+/// If only some dofs of a node are trailing, its other dofs are ordered among the inner nodes: their graph, and with it their
+/// elimination tree, is the same.
 ///
 /// Errors: [`LinalgError::TooLarge`].
 pub(crate) fn analyse<const D: usize>(
@@ -230,7 +230,7 @@ fn grounded_dofs<const D: usize>(
     grounded
 }
 
-/// Factors a body; `work` counts what is done.
+/// Factors a body; `work` counts the operations.
 pub(crate) fn factor<const D: usize>(
     model: &Model<D>,
     body: usize,

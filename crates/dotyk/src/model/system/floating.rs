@@ -1,12 +1,12 @@
-//! Floating bodies: which rigid motions the contacts control, and what becomes of the others.
+//! Floating bodies: the rigid motions that the contacts control, and the treatment of the others.
 //!
 //! The columns of R of all bodies are the modes; G = RᵀBᵀ and e = Rᵀf. A combination z with Gᵀz = 0 is a
 //! motion that no contact can resist: driven by the load it is an error, else it is fixed by least norm with a warning.
-//! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it, or what could lies out of
-//! the reach of the nodes.
+//! If no admissible λ satisfies Gλ = e, the load pulls a body away from everything that could hold it, or the forces that could hold
+//! it act beyond the nodes.
 //!
-//! A body that contacts cannot reach is an error in any case, but for one on springs: a bed, too, holds along its normal and leaves
-//! alone what is across, such as the spin of a ring.
+//! A body without a contact in reach is an error, unless it is on springs: a bed also holds motions along its normal and leaves the
+//! others free, such as the spin of a ring.
 
 use crate::dual::{AdmissibleSet, Balance, Modes, NO_WORK};
 use crate::fem::{ALONG, describe_motion, list_motions};
@@ -21,7 +21,7 @@ use crate::model::system::parts::{Parts, part_name, part_points};
 use crate::model::system::reach::hold_between_nodes;
 use std::collections::BTreeSet;
 
-/// Rigid modes of all bodies and what the contact does with them.
+/// Rigid modes of all bodies, and their control by the contact.
 pub(crate) struct Floating {
     /// (body, index of the mode in its system) of every mode.
     pub modes: Vec<(usize, usize)>,
@@ -61,7 +61,7 @@ impl Floating {
             let rows = b.rows.index.iter().enumerate().map(|(local, &row)| {
                 let parts = || b.rows.matrix.row(local);
                 let sum: f64 = parts().map(|(dof, value)| value * motion[dof]).sum();
-                // a bar within a body does not hold it: what is left of its terms is rounding
+                // a bar within a body does not hold it: the sum of its terms is rounding
                 let size: f64 = parts().map(|(_, value)| value.abs()).sum();
                 (
                     row,
@@ -106,8 +106,8 @@ impl Floating {
         Ok(unloaded)
     }
 
-    /// Takes over the loads and initial gaps of another time: G stays, e is taken anew. Errors: a body that floats without any
-    /// contact in reach, or whose load drives what nothing controls.
+    /// Takes the loads and initial gaps of another time: G stays, e is updated. Errors: a floating body without a contact in reach, or
+    /// whose load drives an uncontrolled motion.
     pub fn set_loads<const D: usize>(
         &mut self,
         model: &Model<D>,
@@ -191,7 +191,7 @@ impl Floating {
         amplitudes
     }
 
-    /// e of all modes (r,): a free mode strains nothing, so that what is prescribed does no work on it.
+    /// e of all modes (r,): a free mode causes no strain, so that prescribed displacements do no work on it.
     fn works<const D: usize>(&self, bodies: &[LoadedBody<D>]) -> Vec<f64> {
         let work = |&(body, mode): &(usize, usize)| -> f64 {
             let system = &bodies[body].system;
@@ -201,7 +201,7 @@ impl Floating {
         self.modes.iter().map(work).collect()
     }
 
-    /// The error for a load that no admissible contact force balances; `direction` as the dual problem tells it.
+    /// The error for a load that no admissible contact force balances; `direction` is that of the dual problem.
     pub fn pulled_away<const D: usize>(
         &self,
         model: &Model<D>,
@@ -239,7 +239,7 @@ impl Floating {
             amplitude(&self.modes, &z, body, mode)
         });
         let largest = z.iter().fold(0.0, |s: f64, z| s.max(z.abs()));
-        // points of couples go with their bodies, and are not bodies themselves
+        // points of couples move with their bodies, and are not bodies themselves
         let parts = Parts::of(model);
         let others = self.modes.iter().map(|mode| mode.0);
         let mut others: Vec<usize> = others.filter(|part| parts.owner(*part).is_free()).collect();
@@ -258,13 +258,13 @@ impl Floating {
     }
 }
 
-/// Bodies that move less than this part of the one that moves most are carried along by a strain, or by rounding.
+/// Bodies with less than this part of the largest motion are moved only by strain or rounding.
 const STILL: f64 = 1e-3;
 
-/// A clearance of more diameters of the body than this cannot be meant: strains would drown in rounding.
+/// A larger clearance, in diameters of the body, cannot be intended: strains would be lost in rounding.
 const OUT_OF_REACH: f64 = 1e6;
 
-/// Errors: a body that floats, and no contact is in reach.
+/// Errors: a floating body without a contact in reach.
 fn reachable<const D: usize>(
     model: &Model<D>,
     bodies: &[LoadedBody<D>],
@@ -286,7 +286,7 @@ fn reachable<const D: usize>(
     Ok(())
 }
 
-/// Why no contact can hold a floating body; `None` when one may.
+/// Why no contact can hold a floating body; `None` if one may.
 fn unreachable_contacts<const D: usize>(
     model: &Model<D>,
     body: usize,
@@ -311,7 +311,7 @@ fn unreachable_contacts<const D: usize>(
 /// A mode whose displacements differ in size by more is a rotation: those of a translation are all 1 to rounding.
 const TURNS: f64 = 1e-9;
 
-/// Rows of G that balance moments: modes with a rotation. What is rigid has none, those of points are lengths.
+/// Rows of G that balance moments: modes with a rotation. Rigid parts have no such modes; rotations of points are scaled to lengths.
 fn moments<const D: usize>(
     model: &Model<D>,
     bodies: &[LoadedBody<D>],
@@ -362,7 +362,7 @@ pub(crate) fn describe<const D: usize>(
     describe_motion(&part_points(model, body), &system.to_global(&motion))
 }
 
-/// Warning about a motion that nothing controls and no load drives; an error when the load does more work on it than is
+/// Warning about a motion that no contact controls and no load drives; an error if the load does more work on it than
 /// `silent`.
 fn check_undriven<const D: usize>(
     model: &Model<D>,

@@ -3,16 +3,16 @@
 //! At a node of weight w, with the strength T in tension, the cohesion c and the coefficient of friction μ:
 //!
 //! ```text
-//!   whole      λₙ ≥ −Tw,  gap ≥ 0,  (λₙ + Tw) gap = 0,     ‖λₜ‖ ≤ cw + μλₙ,  nothing where it is open
+//!   whole      λₙ ≥ −Tw,  gap ≥ 0,  (λₙ + Tw) gap = 0,     ‖λₜ‖ ≤ cw + μλₙ,  no force where it is open
 //!   lost       λₙ ≥ 0,    ...                              ‖λₜ‖ ≤ μλₙ
 //! ```
 //!
-//! With λₙ = λ' − Tw a whole joint is a contact with the cohesion c − μT ≥ 0 for λ', and what it bears in tension a load of its own,
-//! Bᵀ(Tw): the problem of a step is one of contact with friction. A node that is open after a step, or has slipped in it,
-//! is lost from the next step on, for good. One whose sides are apart when it comes, be it by a clearance or because they have parted
-//! before, was never whole; one of a body that is fitted to what has moved is.
+//! With λₙ = λ' − Tw a whole joint is a contact with the cohesion c − μT ≥ 0 for λ', and its tensile strength a load of its own,
+//! Bᵀ(Tw): the problem of a step is one of contact with friction. A node that is open after a step, or has slipped in it, is lost from
+//! the next step on, for good. A node whose sides are apart when the joint comes, by a clearance or because they have parted before,
+//! was never whole; nodes of a body that is fitted to displaced neighbours are whole.
 //!
-//! What is lost after a step and within it stands in `march/torn.rs`.
+//! `march/torn.rs` finds the nodes lost after a step and within it.
 
 use crate::contact::{ContactError, InterfaceNode};
 use crate::fem::show;
@@ -23,7 +23,7 @@ use crate::model::nouns::model::{Contact, Law, Model};
 use crate::model::system::admissible::prepare_law;
 use crate::model::system::condition::Condition;
 
-/// A gap above this part of what its node stands for is one.
+/// A gap counts above this part of the extent of its node.
 const GAP: f64 = 1e-9;
 
 /// The joints of a model with their interfaces.
@@ -37,17 +37,17 @@ pub(crate) fn joints<'a, const D: usize>(
     contacts.filter(|(_, contact, _)| matches!(contact.law, Law::Cohesive { .. }))
 }
 
-/// What a step leaves of the nodes of a joint.
+/// State of the nodes of a joint after a step.
 #[derive(Debug, Clone)]
 pub(crate) struct Lost {
     /// The side that carried the multipliers: its name, and whether its body is the first of the two.
     side: (String, bool),
-    /// Every node, and whether it is lost; not known where it had no condition.
+    /// Every node, and whether it is lost; `None` where it had no condition.
     nodes: Vec<(usize, Option<bool>)>,
 }
 
 impl Lost {
-    /// Of a contact after a step.
+    /// The state of a contact after a step.
     pub fn of<const D: usize>(condition: &Condition<D>, lost: &[bool]) -> Self {
         let nodes = condition.interface.nodes.iter().zip(lost);
         let nodes = nodes.map(|(node, &lost)| {
@@ -60,8 +60,8 @@ impl Lost {
         }
     }
 
-    /// What is known of the nodes of the same contact now; supports may have left its multipliers to its other side, whose nodes do
-    /// what those nearest to them did.
+    /// Known states of the nodes of the same contact now. Supports may have moved its multipliers to its other side, whose nodes take the
+    /// state of the nearest previous ones.
     fn at<const D: usize>(&self, model: &Model<D>, condition: &Condition<D>) -> Vec<Option<bool>> {
         let nodes = &condition.interface.nodes;
         let (true, other) = (self.side != carrying(condition), &condition.mortar) else {
@@ -79,7 +79,7 @@ impl Lost {
     }
 }
 
-/// Finds what a joint has lost, by the name of its contact.
+/// Finds the state of a joint by the name of its contact.
 pub(crate) type Losses<'a> = dyn Fn(&str) -> Option<&'a Lost> + 'a;
 
 /// Which side carries the multipliers of a contact: bodies keep their order from stage to stage.
@@ -110,7 +110,7 @@ pub(crate) fn whole<const D: usize>(
     lost
 }
 
-/// Tells the interfaces what was lost before, by the names of contacts.
+/// Marks the nodes lost before in the interfaces, by the names of contacts.
 pub(crate) fn restore<const D: usize>(
     model: &Model<D>,
     conditions: &mut [Condition<D>],
@@ -126,7 +126,7 @@ pub(crate) fn restore<const D: usize>(
     }
 }
 
-/// Sets what joints bear in tension, at a time.
+/// Sets the tensile strengths of joints, at a time.
 ///
 /// Errors: a strength that is negative, not finite, or more than cohesion over coefficient.
 pub(crate) fn set_offsets<const D: usize>(

@@ -1,13 +1,13 @@
-//! Keys: what each layer of a linear problem is made of, so that what has not changed is found again.
+//! Keys: the input of each layer of a linear problem, so that unchanged layers are reused.
 //!
 //! | Layer | Made of |
 //! |---|---|
-//! | stiffness of a body, its order and factor | what [`same_stiffness`] compares |
-//! | conditions between all parts, F | the stiffness of all bodies, and what [`same_conditions`] compares |
-//! | what drives them, and the laws | time and state: made anew for every step |
+//! | stiffness of a body, its order and factor | the fields that [`same_stiffness`] compares |
+//! | conditions between all parts, F | the stiffness of all bodies, and the fields that [`same_conditions`] compares |
+//! | driving terms and laws | time and state: updated in every step |
 //!
-//! The nouns are taken apart field by field, without a rest: one that is added does not compile before it stands in a key, or
-//! among what drives.
+//! The nouns are destructured field by field, without `..`: a new field does not compile before it is in a key or among the
+//! driving terms.
 
 use crate::fem::{Elastic, Material, Spring, Support};
 use crate::geometry::Field;
@@ -32,7 +32,7 @@ pub(crate) fn same_conditions<const D: usize>(a: &Model<D>, b: &Model<D>) -> boo
         bodies,
         contacts,
         bars,
-        // what drives, and how it is solved, looked at and called
+        // driving terms, solver, probes and names
         times: _,
         step_names: _,
         solver: _,
@@ -63,7 +63,7 @@ pub(crate) fn same_stiffness<const D: usize>(a: &Body<D>, b: &Body<D>) -> bool {
         thickness,
         supports,
         springs,
-        // of conditions
+        // fields of conditions
         name: _,
         couples: _,
         surfaces: _,
@@ -86,7 +86,7 @@ fn same_elastic(a: &Material, b: &Material) -> bool {
     let Material {
         group,
         elastic,
-        // how its stress is judged, and what it gives way beyond that: it drives
+        // strength and yielding, which only drive
         strength: _,
         plastic: _,
     } = a;
@@ -215,12 +215,12 @@ fn same_obstacle<const D: usize>(a: &Obstacle<D>, b: &Obstacle<D>) -> bool {
     shapes && motions
 }
 
-/// What varies is taken anew at every time; of what does not, equal values may have been taken for one condition.
+/// Varying fields are evaluated anew at every time; equal constant fields may have merged conditions.
 fn same_field(a: &Field, b: &Field) -> bool {
     a.as_constant() == b.as_constant()
 }
 
-/// What a law makes of the rows of a node: one, or one for each tangent, too, borne by all or by what is closed.
+/// Kind of the rows of a node under a law: a normal one only, or tangential ones too, borne by all nodes or by closed ones.
 fn rows(law: &Law) -> u8 {
     match law {
         Law::Frictionless => 0,

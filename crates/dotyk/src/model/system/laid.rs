@@ -1,4 +1,4 @@
-//! Where bars (`nouns/bar.rs`) lie: their points, and how these move with the bodies.
+//! Positions of bars (`nouns/bar.rs`): their points, and how these move with the bodies.
 
 use crate::fem::{Analysis, completed, side_points};
 use crate::geometry::{Point, add_scaled, distance, dot, sub};
@@ -41,20 +41,20 @@ impl<const D: usize> LaidBar<D> {
     }
 }
 
-/// Elements in each cell that a grouted bar crosses: straight ones where a cell of second order is a parabola, whose energy n of
-/// them miss by 1/n². Of all at least and at most as many.
+/// Elements in each cell that a grouted bar crosses, for cells of first and second order. In a cell of second order straight elements
+/// replace a parabola, and n of them miss its energy by 1/n². Then the fewest and the most elements of a bar.
 const IN_CELL: [usize; 2] = [2, 4];
 const FEWEST: usize = 8;
 const MOST: usize = 1000;
 
-/// Places where it is asked which cells a bar crosses.
+/// Sampling points along a bar that find the cells it crosses.
 const LOOKS: usize = 500;
 
-/// Points along the half of a plate across a bar at which its end is shared out.
+/// Points along the half of a plate across a bar over which the force of its end is spread.
 const SHARED: usize = 4;
 
 impl<const D: usize> Bar<D> {
-    /// Where it begins and ends in a model.
+    /// Its two ends in a model.
     ///
     /// Errors: see [`BarError`].
     pub fn places(&self, model: &Model<D>) -> Result<[Point<D>; 2], BarError> {
@@ -68,7 +68,7 @@ impl<const D: usize> Bar<D> {
         self.lay(model).map(|_| ())
     }
 
-    /// Where it lies in a model.
+    /// Its layout in a model.
     ///
     /// Errors: see [`BarError`].
     pub(crate) fn lay(&self, model: &Model<D>) -> Result<LaidBar<D>, BarError> {
@@ -113,7 +113,7 @@ impl<const D: usize> Bar<D> {
         }
     }
 
-    /// How an end moves, which lies at a point.
+    /// The anchor of an end at a point.
     fn end(
         &self,
         model: &Model<D>,
@@ -188,8 +188,8 @@ impl<const D: usize> Bar<D> {
         }
     }
 
-    /// For each point the first of its bodies in which it lies, else the one that it lies just beside, as a point of a curve does
-    /// for whose cells a polygon stands.
+    /// For each point the first of its bodies in which it lies, else a body that it lies just beside: such as a point of a curve that the
+    /// cells approximate by a polygon.
     fn located(&self, model: &Model<D>, points: &[Point<D>]) -> Vec<Option<(usize, Located<D>)>> {
         let mut found: Vec<Option<(usize, Located<D>)>> = vec![None; points.len()];
         for body in &self.bodies {
@@ -210,14 +210,14 @@ impl<const D: usize> Bar<D> {
     }
 }
 
-/// A point so far outside of a cell, in its own coordinates, lies in it to rounding; and so far outside beside it.
+/// A point this far outside of a cell, in its own coordinates, lies in it to rounding; up to the second distance it lies beside it.
 const INSIDE: f64 = 1e-6;
 const BESIDE: f64 = 0.02;
 
 /// Ends nearer to each other than this part of the largest body are at the same place.
 const NO_LENGTH: f64 = 1e-12;
 
-/// Points all over a disc of a radius across a direction, in the plane along a line, each for the same part of it.
+/// Points spread over a disc of a radius across a direction (in the plane over a line), each for an equal part of it.
 fn plate<const D: usize>(centre: Point<D>, along: Point<D>, radius: f64) -> Vec<Point<D>> {
     let axes = completed(vec![along]);
     let ring = |k: usize| (k as f64 + 0.5) / SHARED as f64;
@@ -283,7 +283,7 @@ fn mean_of_side<const D: usize>(
     })
 }
 
-/// Where all bars of a model lie.
+/// Layout of all bars of a model.
 ///
 /// Errors: see [`BarError`], with the bar's name.
 pub(crate) fn lay_bars<const D: usize>(model: &Model<D>) -> Result<Vec<LaidBar<D>>, Error<D>> {

@@ -1,5 +1,5 @@
-//! Links: rows of B between bodies and small elastic parts of their own, one stiffness k for each row, whose displacement q is what
-//! gives way. Beds that only press (`bed.rs`) and bars (`bar.rs`) are made of them. What a link was there with (u_a) stands in its
+//! Links: rows of B between bodies and small elastic parts of their own, with one stiffness k for each row and the elastic displacement
+//! q. Beds that only press (`bed.rs`) and bars (`bar.rs`) are made of them. The displacements u_a at which a link came are in its
 //! gaps.
 
 use crate::contact::{GapShares, Interface, InterfaceNode, Role, Row};
@@ -35,7 +35,7 @@ pub(crate) fn linked<const D: usize>(
     }
 }
 
-/// What carries a row, in no place of a side.
+/// The carrier of a row, without a place on a side.
 pub(crate) fn carrier<const D: usize>(row: usize) -> InterfaceNode<D> {
     InterfaceNode {
         node: 0,
@@ -52,7 +52,7 @@ pub(crate) fn carrier<const D: usize>(row: usize) -> InterfaceNode<D> {
     }
 }
 
-/// Twice the elastic energy of a part less the work of its load, the energy, and what is left of the forces on it, under
+/// Twice the elastic energy of a part less the work of its load, the energy, and the imbalance of the forces on it, under
 /// forces `lambda` (m,) and displacements u.
 pub(crate) fn part_balance<const D: usize>(
     part: &LoadedBody<D>,

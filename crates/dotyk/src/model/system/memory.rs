@@ -1,4 +1,4 @@
-//! Whether a model fits the memory that it may take, told before anything is factored.
+//! Checks that a model fits its memory limit, before the factorisation.
 //!
 //! ```text
 //!   a body:    24|K| + 8|L| + 8(t² + tr + r²)     its stiffness as it is, permuted and analysed; its factor; L_c, X and F_b
@@ -8,7 +8,7 @@
 //!   all:       8 · 3m²                            F, and the system of an exact step with its factor
 //! ```
 //!
-//! A mesh alone tells the least: |K| of a large regular one, and |L| ≥ |K|. That is asked before it is made, and before it is
+//! A mesh alone gives a lower bound: |K| of a large regular one, and |L| ≥ |K|. That is checked before it is made, and before it is
 //! assembled.
 //!
 //! |K| and |L| are stored entries, t contact dofs and r rows of a body, m all rows. Where F is assembled without its zeros,
@@ -19,7 +19,7 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::parts::part_name;
 
-/// What counts of a body.
+/// Sizes of a body that determine its memory.
 pub(crate) struct Demand {
     /// Its contact dofs.
     pub trailing: usize,
@@ -52,7 +52,7 @@ impl Demand {
     }
 }
 
-/// Bytes of the stiffness and factor of so many cells, at least.
+/// Least bytes of the stiffness and factor of so many cells.
 pub(crate) fn least<const D: usize>(kind: CellKind, cells: u64) -> u64 {
     cells
         .saturating_mul(pairs(kind))
@@ -87,7 +87,7 @@ fn of_mesh<const D: usize>(mesh: &Mesh<D>) -> u64 {
     each.sum()
 }
 
-/// Errors: [`Error::Memory`] when the meshes alone tell that their bodies take more than the model may.
+/// Errors: [`Error::Memory`] if the meshes alone show that their bodies need more than the model may take.
 pub(crate) fn check_meshes<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
     let own = model.bodies.iter().map(|body| of_mesh(&body.mesh));
     let own: Vec<u64> = own.collect();
@@ -95,7 +95,7 @@ pub(crate) fn check_meshes<const D: usize>(model: &Model<D>) -> Result<(), Error
     within(model, &own, 0, dofs)
 }
 
-/// Errors: [`Error::Memory`] when the bodies take more than the model may, with the one that takes most.
+/// Errors: [`Error::Memory`] if the bodies need more than the model may take, with the largest body.
 pub(crate) fn check<const D: usize>(
     model: &Model<D>,
     bodies: &[Demand],
@@ -111,7 +111,7 @@ pub(crate) fn check<const D: usize>(
     within(model, &own, shared, |body| bodies[body].dofs)
 }
 
-/// Errors: [`Error::Memory`] when what the bodies take and what they share is more than the model may take.
+/// Errors: [`Error::Memory`] if the bodies and their shared data need more than the model may take.
 fn within<const D: usize>(
     model: &Model<D>,
     own: &[u64],

@@ -1,5 +1,5 @@
-//! From a model to a dual problem at a time: who moves, what holds them together, their stiffness and compliance, and what comes
-//! back from forces: displacements.
+//! From a model to a dual problem at a time: parts, their connections, stiffness and compliance; and back from forces to
+//! displacements.
 
 pub mod admissible;
 pub mod applied;

@@ -1,6 +1,6 @@
-//! Parts: who moves, each once and in one order. Behind the bodies stand those that are rigid, as bodies with K⁺ = 0 whose
-//! components are modes where nothing holds them: obstacles that are free to translate, and the points of couples. The last are the
-//! elastic parts of beds and bars (`links.rs`).
+//! Parts: everything that moves, each once and in one order. The bodies are followed by the rigid parts, which are bodies with K⁺ = 0
+//! whose free components are modes: obstacles that are free to translate, and the points of couples. The last are the elastic
+//! parts of beds and bars (`links.rs`).
 
 use crate::fem::{BodySystem, Couple};
 use crate::geometry::{Field, Point};
@@ -9,7 +9,7 @@ use crate::model::nouns::model::{Analysis, Body, Contact, Model, Motion, Pair};
 
 use std::borrow::Cow;
 
-/// Whose a part is, by places in the model. Their order is that of the parts.
+/// The owner of a part, by places in the model. Their order is that of the parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Owner {
     /// A body.
@@ -18,14 +18,14 @@ pub(crate) enum Owner {
     Obstacle(usize),
     /// The point of a couple: a body, and which of its couples.
     Point(usize, usize),
-    /// What gives way in a bed that only presses: a body, and which of its springs.
+    /// The elastic part of a bed that only presses: a body, and which of its springs.
     Bed(usize, usize),
-    /// What gives way in a bar.
+    /// The elastic part of a bar.
     Bar(usize),
 }
 
 impl Owner {
-    /// It moves by itself, and not just with the bodies that hold it.
+    /// It moves independently, and not just with the bodies that hold it.
     pub fn is_free(self) -> bool {
         matches!(self, Self::Body(_) | Self::Obstacle(_))
     }
@@ -73,22 +73,22 @@ impl Parts {
         )
     }
 
-    /// Each with whose it is.
+    /// Each part with its owner.
     pub fn iter(&self) -> impl Iterator<Item = (usize, Owner)> {
         self.0.iter().copied().enumerate()
     }
 
-    /// Whose a part is.
+    /// The owner of a part.
     pub fn owner(&self, part: usize) -> Owner {
         self.0[part]
     }
 
-    /// The part of an owner; `None` of an obstacle that is not free, of a bed that acts both ways.
+    /// The part of an owner; `None` for an obstacle that is not free, and for a bed that acts both ways.
     pub fn find(&self, owner: Owner) -> Option<usize> {
         self.0.binary_search(&owner).ok()
     }
 
-    /// How many move by themselves; they come first.
+    /// Number of parts that move independently; they come first.
     pub fn free(&self) -> usize {
         self.0.partition_point(|owner| owner.is_free())
     }
@@ -119,7 +119,7 @@ fn free_force<const D: usize>(contact: &Contact<D>) -> Option<&[Field; D]> {
 
 /// The systems of all rigid parts at a time.
 ///
-/// Errors: a force or a prescribed value that is not finite; what drives a point with axial symmetry but along the axis.
+/// Errors: a force or a prescribed value that is not finite; with axial symmetry a load or displacement of a point off the axis direction.
 pub(crate) fn rigid_systems<const D: usize>(
     model: &Model<D>,
     time: f64,
@@ -157,7 +157,7 @@ fn obstacle_system<const D: usize>(
                 field: field.clone(),
             }));
         }
-        // with axial symmetry what is rigid moves along the axis alone
+        // with axial symmetry rigid parts move along the axis only
         match model.analysis == Analysis::Axisymmetric && axis != 1 {
             true => held[axis] = Some(0.0),
             false => value[axis] = component,
@@ -171,7 +171,7 @@ pub(crate) fn part_name<const D: usize>(model: &Model<D>, part: usize) -> String
     Parts::of(model).owner(part).name(model)
 }
 
-/// Nodes of a part; those of what is rigid only tell its size, that of all bodies.
+/// Nodes of a part; those of a rigid part only give its size, that of all bodies.
 pub(crate) fn part_points<const D: usize>(model: &Model<D>, part: usize) -> Cow<'_, [Point<D>]> {
     match model.bodies.get(part) {
         Some(body) => Cow::Borrowed(body.mesh.points()),

@@ -1,12 +1,12 @@
-//! How far the forces of contact nodes reach: could pushes between them hold a load that they do not?
+//! Reach of the forces of contact nodes: could pushes between the nodes hold a load that nodal forces do not?
 //!
 //! ```text
 //!   Σ λᵢ gᵢ + Σ μₖ g(xₖ) = e,     λ ∈ Λ, μ ≥ 0,     g(x)ⱼ = n·(rⱼ(x) on the nonmortar side − rⱼ(y) on the other one)
 //! ```
 //!
-//! The force of a node acts at one place. Where facets face the other side in part, these places reach less far than the
-//! bodies do, and a load near an edge of what they share has no forces at nodes, although the bodies hold it. So that such a load
-//! is told from one that nothing holds, the points xₖ between the nodes, where the judge measures gaps, push as well.
+//! The force of a node acts at one place. Where facets face the other side in part, these places do not reach the edge of the common
+//! area, and a load near that edge has no nodal forces, although the bodies hold it. To distinguish it from a load that cannot
+//! be held, the points xₖ between the nodes, where the judge measures gaps, push as well.
 
 use crate::contact::{Coupling, GapPoint};
 use crate::dual::{AdmissibleSet, Balance, Block, Feasibility, Modes};
@@ -21,10 +21,10 @@ use std::iter::repeat_n;
 /// A place where two bodies may push each other, and their contact.
 type Place<'a, const D: usize> = (&'a Condition<D>, &'a GapPoint<D>);
 
-/// Names of the contacts that could hold a load if they pushed between their nodes, too, wherever two bodies face each other: those
-/// that the motion with the amplitudes `z` (r,) closes there. `None` where pushes would not hold it either.
+/// Names of the contacts that could hold a load if they also pushed between their nodes, wherever two bodies face each other: those
+/// that the motion with the amplitudes `z` (r,) closes there. `None` where these pushes would not hold it either.
 ///
-/// Of each mode: its part with its number there, its row of G and its load.
+/// For each mode: its part with its number there, its row of G and its load.
 pub(crate) fn hold_between_nodes<'a, const D: usize>(
     bodies: &[LoadedBody<D>],
     conditions: &'a [Condition<D>],
@@ -63,10 +63,10 @@ pub(crate) fn hold_between_nodes<'a, const D: usize>(
     }
 }
 
-/// Where two bodies face each other in contacts that push, contact by contact.
+/// Points where two bodies face each other in unilateral contacts, contact by contact.
 fn places<const D: usize>(conditions: &[Condition<D>]) -> Vec<Place<'_, D>> {
     let pushes = |condition: &&Condition<D>| {
-        // no rigid motion closes what a body has between its own sides
+        // no rigid motion closes gaps between sides of the same body
         let two = |other: &SideRef| other.body != condition.nonmortar.body;
         condition.mortar.as_ref().is_some_and(two) && condition.interface.coupling != Coupling::Tied
     };
@@ -77,7 +77,7 @@ fn places<const D: usize>(conditions: &[Condition<D>]) -> Vec<Place<'_, D>> {
     all.collect()
 }
 
-/// By how much each mode closes the places of its own body, by their numbers.
+/// Closing of the places by each mode of its own body, by their numbers.
 fn closed<const D: usize>(
     bodies: &[LoadedBody<D>],
     places: &[Place<'_, D>],

@@ -11,9 +11,9 @@ use crate::model::system::bodies::LoadedBody;
 use crate::model::system::factor::FactoredBody;
 use crate::model::system::floating::Floating;
 
-/// u_D + K⁺(f − K u_D − Bᵀλ) less the rigid motion that u_D contains: the part that strains the body. In one solve: load
-/// and contact forces alone may each bend a slender body far more than both together. `before` are a displacement to go on from
-/// and the change of the contact forces since.
+/// u_D + K⁺(f − K u_D − Bᵀλ) less the rigid motion that u_D contains: the part that strains the body. One solve for both, because
+/// load and contact forces alone may each bend a slender body far more than both together. `before` are a displacement to go on
+/// from and the change of the contact forces since.
 pub(crate) fn elastic_displacement<const D: usize>(
     body: &LoadedBody<D>,
     factored: &FactoredBody,
@@ -60,7 +60,7 @@ pub(crate) struct BodyState<const D: usize> {
     /// External, support, spring and contact force of every node.
     pub total: Vec<Point<D>>,
     pub strain_energy: f64,
-    /// Area of what has a plastic strain, in space volume.
+    /// Area with a plastic strain, in space volume.
     pub yielded: f64,
     /// 1/2 uᵀKu of its springs.
     pub spring_energy: f64,
@@ -69,7 +69,7 @@ pub(crate) struct BodyState<const D: usize> {
     pub unbalanced_work: f64,
     /// Largest resultant of a support that moves.
     pub driving_force: f64,
-    /// To what resultants of the nodal forces are known: these are differences of terms of the size K_ii u_i.
+    /// Uncertainty of resultants of the nodal forces, which are differences of terms of the size K_ii u_i.
     pub rounding: f64,
 }
 
@@ -124,7 +124,7 @@ impl<const D: usize> BodyState<D> {
         let system = &loaded.system;
         let global = system.to_global(u);
         let (forces, strain_energy) = internal_forces(body, model.analysis, &global)?;
-        // rigid motions that are left free stretch no spring
+        // free rigid motions stretch no spring
         let mut springs = spring_forces(body, model.analysis, &global)?;
         let mut stretched = vec![[0.0; D]; global.len()];
         for own in &springs {
@@ -190,7 +190,7 @@ fn norm_of_terms(diagonal: &[f64], u: &[f64]) -> f64 {
     terms.map(|term| term * term).sum::<f64>().sqrt()
 }
 
-/// Resultant force and moment about the centroid that are left over.
+/// Unbalanced resultant force, and moment about the centroid.
 pub(crate) fn imbalance<const D: usize>(
     model: &Model<D>,
     points: &[Point<D>],
@@ -211,7 +211,7 @@ pub(crate) fn imbalance<const D: usize>(
     (norm(resultant), norm(moment))
 }
 
-/// Without what the axis of symmetry holds: no support does.
+/// Forces without those that the axis of symmetry holds, which come from no support.
 fn of_supports<const D: usize>(
     loaded: &LoadedBody<D>,
     mut reactions: Vec<Point<D>>,

@@ -1,19 +1,20 @@
-//! Nodes that several contacts have in common.
+//! Common nodes of several contacts.
 //!
-//! Where the sides of two contacts meet at a node, and both touch the same there, each stands for its own facets, of the weight
-//! w_k. Their conditions are one; so there is one multiplier λ, of the weight W = Σ w_k, at the contact that comes first, and
+//! Where the sides of two contacts meet at a node, and both have the same opposite there, each accounts for its own facets, of the
+//! weight w_k. Their conditions are the same; so there is one multiplier λ, of the weight W = Σ w_k, at the first contact, and
 //!
 //! ```text
 //!   λₙ,k = (w_k/W) λₙ,      ‖λₜ‖ ≤ Σ μ_k λₙ,k,      λₜ,k = (μ_k w_k / Σ μ_j w_j) λₜ
 //! ```
 //!
 //! are the parts of the contacts: the pressure λₙ/W is the same in all of them, and the sum of their forces the traction of the side.
-//! With laws whose bounds are not that of Coulomb's the parts are told where all are alike, w_k/W. Beside a tie the multiplier is
-//! the tie's: it bears all of the shear, and where λₙ pulls all of that, since a contact bears none of it.
+//! With other laws than Coulomb's nodes are shared only if these are alike, with the parts w_k/W. Beside a tie the multiplier is
+//! the tie's: it bears all of the shear, and all of a tensile λₙ, since a contact bears no tension.
 //!
-//! Conditions are one where their rows are, at all dofs that ever move, and their gaps; which of two bodies carries the
-//! multipliers does not matter. Others stay apart: two bodies beside each other under a third one, faces of a corner, near and far
-//! sheets. Nor is it shared where one contact repeats another: W would count the same facets twice. What it says is implied then.
+//! Conditions are the same if their rows are, at all dofs that ever move, and their gaps; which of two bodies carries the
+//! multipliers does not matter. Others stay separate: two bodies beside each other under a third one, faces of a corner, near and
+//! far sheets. A contact that repeats another does not share its nodes, because W would count the same facets twice; its conditions
+//! are implied (`dependent.rs`).
 
 use crate::contact::{Coupling, Row, pushed};
 use crate::fem::{Body, BodySystem, Constraints};
@@ -30,13 +31,13 @@ use std::convert::Infallible;
 /// A row at the dofs that move at some time, by body.
 type Moving = Vec<((usize, usize), f64)>;
 
-/// The dofs that a row is at, by body: the same for the rows of a node that contacts have in common.
+/// The dofs of a row, by body: the same for the rows of a common node.
 type Dofs = Vec<(usize, usize)>;
 
-/// Coefficients and gaps are the same within this part of the largest, of the size of the body.
+/// Coefficients are the same within this part of the largest, gaps within this part of the size of the body.
 const SAME: f64 = 1e-10;
 
-/// Gives every node that contacts have in common to the first of them with most rows; the rows of the others are dropped.
+/// Gives every common node of contacts to the one with most rows, the first of equal ones; the rows of the others are dropped.
 pub(crate) fn share_nodes<const D: usize>(
     model: &Model<D>,
     systems: &[BodySystem<D>],
@@ -105,7 +106,7 @@ pub(crate) fn share_nodes<const D: usize>(
     }
 }
 
-/// Nodes of the nonmortar side of a contact on facets that another one touches, too, against the same.
+/// Nodes of the nonmortar side of a contact on facets that another contact has, too, against the same opposite.
 fn repeated<const D: usize>(
     model: &Model<D>,
     conditions: &[Condition<D>],
@@ -134,7 +135,7 @@ fn repeated<const D: usize>(
     nodes.map(|node| node as usize).collect()
 }
 
-/// A contact whose conditions may be those of another one: nothing changes its gaps, nothing moves its obstacle.
+/// A contact that may share nodes: its gaps do not vary, and its obstacle does not move.
 fn may_share<const D: usize>(model: &Model<D>, condition: &Condition<D>) -> bool {
     let moved = |contact: &Contact<D>| match &contact.pair {
         Pair::Obstacle { obstacle, .. } => matches!(obstacle.motion, Motion::Loaded(_)),
@@ -148,7 +149,7 @@ fn is_tied<const D: usize>(contact: &Contact<D>) -> bool {
     matches!(contact.law, Law::Tied)
 }
 
-/// Laws of which one bound can be made that divides among the contacts; of the second is the multiplier.
+/// Two laws that have a common bound which can be divided among the contacts; the second contact carries the multiplier.
 fn laws_agree<const D: usize>([a, b]: [&Contact<D>; 2]) -> bool {
     let dry = |law: &Law| matches!(law, Law::Frictionless | Law::Coulomb(_));
     if is_tied(b) && dry(&a.law) {
@@ -162,7 +163,7 @@ fn laws_agree<const D: usize>([a, b]: [&Contact<D>; 2]) -> bool {
     dry(&a.law) && dry(&b.law) || same && known && values[0] == values[1]
 }
 
-/// A row at the dofs that are not held still.
+/// A row at the dofs that move at some time.
 fn moving<const D: usize>(
     systems: &[BodySystem<D>],
     condition: &Condition<D>,
@@ -182,7 +183,7 @@ fn moving<const D: usize>(
     sums.into_iter().collect()
 }
 
-/// Whether the rows of one node are among those of another one that has no fewer: the normal one, then the tangents.
+/// Whether the rows of one node are the first ones of another node with at least as many: the normal one, then the tangents.
 fn same_rows(some: &[Moving], all: &[Moving]) -> bool {
     let largest = |row: &Moving| row.iter().fold(0.0, |s: f64, (_, c)| s.max(c.abs()));
     let same = |(a, b): (&Moving, &Moving)| {
@@ -220,7 +221,7 @@ fn same_gap<const D: usize>(
 }
 
 impl<const D: usize> Condition<D> {
-    /// What other contacts have of one of its nodes.
+    /// Shares of other contacts in one of its nodes.
     pub fn sharers_at(&self, place: usize) -> impl Iterator<Item = &Sharer> {
         self.touch.sharers.iter().filter(move |s| s.place == place)
     }
@@ -251,7 +252,7 @@ pub(crate) fn coefficients<const D: usize, E>(
         .collect()
 }
 
-/// Weight of the facets at a node that bear its normal force: where that pulls, of those that are tied.
+/// Weight of the facets at a node that bear its normal force: only tied ones if it is a tension.
 pub(crate) fn bearing_weight<const D: usize>(
     model: &Model<D>,
     (contact, condition): (usize, &Condition<D>),
@@ -297,7 +298,7 @@ pub(crate) fn shear_parts<const D: usize>(
     }
 }
 
-/// Gives every contact its part of what the nodes bear that it has in common with others; `lambda` (m,), gaps (m,).
+/// Gives every contact its part of the forces at common nodes; `lambda` (m,), gaps (m,).
 pub(crate) fn share_out<const D: usize>(
     model: &Model<D>,
     conditions: &[Condition<D>],

@@ -1,19 +1,19 @@
-//! State: what load steps leave to those after them, and all that they leave.
+//! State: all that load steps pass on to those after them.
 //!
 //! Where bodies, supports and contacts come and go:
 //!
-//! * a body that appears is free of stress and fits what it touches: the gaps of its contacts count from the displacements
-//!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
+//! * a body that appears is free of stress and fits its neighbours: the gaps of its contacts count from the displacements
+//! u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
 //! * a support that appears holds the nodes of its body where they are;
-//! * a spring or a bar that appears bears nothing there, but for the prestress of a bar, which in its first step pulls with that
-//!   alone, whatever gives;
-//! * friction counts from where the sides of a contact were when its stage began, B u of the last step in whatever directions the
-//!   tangents are now: a support that leaves a side leaves the slips under it, a contact or an obstacle that comes has none;
-//! * a joint that comes, between bodies one of which comes or not, is whole where its sides are not apart then, g₀ + B (u_a − u);
-//! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times what is left
-//!   of them at a time.
+//! * a spring or a bar that appears bears no force at the displacements of that moment; a prestressed bar pulls in its first step
+//! with its prestress, whatever the displacements;
+//! * friction counts from the positions of the sides of a contact when its stage began, B u of the last step in the present
+//! directions of the tangents: slips stay when a support of a side goes, and a contact or an obstacle that comes has no slip;
+//! * a joint that comes is whole where its sides are not apart then, g₀ + B (u_a − u), whether or not one of its bodies comes, too;
+//! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times the remaining part
+//! of them at a time.
 //!
-//! All of these u_a are one thing: what bodies had moved when something came.
+//! All of these u_a are the displacements of the bodies when a part came.
 
 use crate::dual::Multipliers;
 use crate::fem::{History, Yielded};
@@ -29,16 +29,16 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Displacements (nodes,) of a body; `None` of one that is not there.
+/// Displacements (nodes,) of a body; `None` for an absent one.
 type Motion<const D: usize> = Option<Arc<[Point<D>]>>;
 
-/// Those of the bodies of a whole model at some moment.
+/// Displacements of the bodies of a whole model at some moment.
 type Moved<const D: usize> = Arc<[Motion<D>]>;
 
-/// What has yielded of each of some bodies, `None` where nothing has.
+/// Plastic strain of each of some bodies, `None` without any.
 pub(crate) type AllYielded = Vec<Option<Arc<Yielded>>>;
 
-/// What comes later than the first load step, by its place in the whole model or by its name.
+/// A part that comes later than the first load step, by its place in the whole model or by its name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 enum Thing {
     Body(usize),
@@ -46,26 +46,26 @@ enum Thing {
     Support(usize, usize),
     /// The same.
     Spring(usize, usize),
-    /// Between bodies that were there: it holds them as they are.
+    /// A tie between bodies that were there: it holds them in their present positions.
     Tie(String),
-    /// It counts from where it begins to hold by itself.
+    /// A bar: its elongation counts from the moment when it begins to bear.
     Bar(String),
 }
 
-/// When something came.
+/// The moment when a part came.
 #[derive(Debug, Clone)]
 struct Birth<const D: usize> {
     /// Number of its first step.
     step: usize,
-    /// What had moved by then.
+    /// Displacements of that moment.
     moved: Moved<D>,
 }
 
-/// What a condition between parts keeps.
+/// State of a condition between parts.
 #[derive(Debug, Clone, Default)]
 struct Record {
-    /// In the rows of its stage, (m of the condition,): how far its sides have slid, or a bar has been stretched, in rows where a
-    /// bounded force does work; zero in the others. `None`: what displacements tell.
+    /// Slip of its sides, or plastic elongation of a bar, in the rows of its stage (m of the condition,) where a bounded force does work;
+    /// zero in the others. `None`: the slip follows from displacements.
     slip: Option<Vec<f64>>,
     /// Work that its friction has dissipated.
     dissipated: f64,
@@ -73,35 +73,35 @@ struct Record {
     lost: Option<Lost>,
 }
 
-/// What a load step leaves to the next one, of a whole model; before the first one nothing.
+/// The state of a whole model that a load step passes on to the next one; empty before the first step.
 #[derive(Debug, Clone)]
 pub(crate) struct State<const D: usize> {
-    /// Things come and go, or are tightened.
+    /// Parts come and go, or are tightened.
     staged: bool,
-    /// What is there.
+    /// The present parts.
     presence: Presence,
     /// Time of the last step.
     time: Option<f64>,
-    /// Where it left the bodies.
+    /// Displacements of the bodies after it.
     moved: Moved<D>,
-    /// Where it left obstacles, by contact.
+    /// Displacements of obstacles after it, by contact.
     obstacles: BTreeMap<String, Point<D>>,
     births: BTreeMap<Thing, Birth<D>>,
-    /// By body, the displacements of what it was fitted to, at its nodes.
+    /// By body, the displacements to which it was fitted, at its nodes.
     fitted: Vec<Motion<D>>,
-    /// By body, the forces of neighbours that have gone, each with what is left of it at a time.
+    /// By body, the forces of neighbours that have gone, each with the remaining part of it at a time.
     released: Vec<Vec<(Arc<[Point<D>]>, Field)>>,
     /// By the names of contacts and links.
     records: BTreeMap<String, Record>,
-    /// By body, what has yielded of it: plastic strains at the points of its cells.
+    /// By body, its plastic strains at the points of its cells.
     yielded: AllYielded,
-    /// Forces and e of the last step of this stage.
+    /// Forces and amplitudes of the last step of this stage, then its time and e.
     pub forces: Option<Multipliers>,
     pub load: Option<(f64, Vec<f64>)>,
 }
 
 impl<const D: usize> State<D> {
-    /// At the first step of a model, which has several stages or one.
+    /// The state at the first step of a model; `staged`: it has several stages.
     pub fn new(model: &Model<D>, time: f64, staged: bool) -> Self {
         let count = model.bodies.len();
         Self {
@@ -120,12 +120,12 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// The stage that it is at.
+    /// Its present stage.
     pub fn stage<'m>(&self, model: &'m Model<D>) -> Stage<'m, D> {
         Stage::of(model, &self.presence)
     }
 
-    /// Some step has been.
+    /// A step has been solved.
     pub fn goes_on(&self) -> bool {
         self.time.is_some()
     }
@@ -135,13 +135,13 @@ impl<const D: usize> State<D> {
         self.time
     }
 
-    /// The forces as a starting point. Contacts that bear nothing tell nothing: the solver's own start is better.
+    /// The forces as a starting point. Without any contact force the solver's own start is better.
     pub fn guess(&self) -> Option<&Multipliers> {
         let touches = |forces: &&Multipliers| forces.lambda.iter().any(|&force| force != 0.0);
         self.forces.as_ref().filter(touches)
     }
 
-    /// Nodes of each of so many parts that contacts of this or another stage touch; none where there is no other one.
+    /// Nodes of each of so many parts that contacts of this or another stage touch; empty without another stage.
     pub fn lasting(&self, stage: &Stage<'_, D>, parts: usize) -> Vec<Vec<usize>> {
         let mut nodes = vec![Vec::new(); parts];
         for (index, body) in stage.model.bodies.iter().enumerate() {
@@ -160,8 +160,8 @@ impl<const D: usize> State<D> {
         (0..there.len()).filter(|&body| there[body]).collect()
     }
 
-    /// Remembers a solved step of the stage: e (r,) and the forces, how far its conditions have slid (m,) and what they have lost, and what
-    /// has yielded of its bodies; tells these what they were fitted to.
+    /// Remembers a solved step of the stage: e (r,) and the forces, slips (m,) and lost nodes of its conditions, and the plastic strains of
+    /// its bodies; notes in the solution the displacements to which bodies were fitted.
     pub fn remember(
         &mut self,
         solution: &mut Solution<D>,
@@ -196,7 +196,7 @@ impl<const D: usize> State<D> {
         self.moved = moved.into();
     }
 
-    /// Goes on to a step; whether something comes or goes there. `last` are the conditions of the last step.
+    /// Goes on to a step; returns whether parts come or go there. `last` are the conditions of the last step.
     pub fn go_on(
         &mut self,
         model: &Model<D>,
@@ -211,7 +211,7 @@ impl<const D: usize> State<D> {
         self.load = None;
         if let (Some(conditions), Some(forces)) = (last, &forces) {
             self.release(model, &next, (conditions, &forces.lambda));
-            // rows are others now; what is plastic in a bar stays
+            // the rows change; plastic elongations of bars stay
             for condition in conditions.iter().filter(|c| c.elastic.is_none()) {
                 let record = self.records.get_mut(&condition.name);
                 record.into_iter().for_each(|record| record.slip = None);
@@ -229,7 +229,7 @@ impl<const D: usize> State<D> {
         true
     }
 
-    /// What comes with the next stage.
+    /// Parts that come with the next stage.
     fn new_things(&self, model: &Model<D>, next: &Presence) -> Vec<Thing> {
         let now = &self.presence;
         let comes = |now: &[bool], next: &[bool]| -> Vec<usize> {
@@ -265,7 +265,7 @@ impl<const D: usize> State<D> {
         things
     }
 
-    /// Whether the same things are there as in another one, and have come in the same steps.
+    /// Whether the same parts are present as in another state, and came in the same steps.
     pub fn has_things_of(&self, other: &Self) -> bool {
         let came = |state: &Self| {
             let births = state.births.iter();
@@ -276,7 +276,7 @@ impl<const D: usize> State<D> {
         self.presence == other.presence && came(self) == came(other)
     }
 
-    /// What is left of what holds each body of the stage.
+    /// History of each body of the stage: its later supports and springs, released forces and plastic strain.
     pub fn histories(&self) -> Vec<History<D>> {
         let of_body = |body: usize| {
             let came = |there: &[bool], thing: fn(usize, usize) -> Thing| {
@@ -297,19 +297,19 @@ impl<const D: usize> State<D> {
         self.whole().into_iter().map(of_body).collect()
     }
 
-    /// What has yielded of each body of the stage.
+    /// Plastic strain of each body of the stage.
     pub fn yielded(&self) -> AllYielded {
         let there = self.whole().into_iter();
         there.map(|body| self.yielded[body].clone()).collect()
     }
 
-    /// Displacements of each body of the stage after the last step; `None` before the first one and of a body that comes.
+    /// Displacements of each body of the stage after the last step; `None` before the first one and for a body that comes.
     pub fn displacements(&self) -> Vec<Option<&[Point<D>]>> {
         let there = self.whole().into_iter();
         there.map(|body| self.moved[body].as_deref()).collect()
     }
 
-    /// How far the obstacle of a contact had moved then.
+    /// Displacement of the obstacle of a contact then.
     pub fn obstacle(&self, contact: &str) -> Option<Point<D>> {
         self.obstacles.get(contact).copied()
     }
@@ -320,13 +320,12 @@ impl<const D: usize> State<D> {
         record.map_or(0.0, |record| record.dissipated)
     }
 
-    /// What joints have lost, by the names of contacts.
+    /// State of the nodes of a joint, by the name of its contact.
     pub fn lost(&self, contact: &str) -> Option<&Lost> {
         self.records.get(contact)?.lost.as_ref()
     }
 
-    /// What friction counts from, in all rows (m,): how far the sides of contacts have moved along each other, and the plastic
-    /// elongations of bars.
+    /// The slip from which friction counts, in all rows (m,): relative motions of the sides of contacts, and plastic elongations of bars.
     pub fn slips(&self, conditions: &[Condition<D>]) -> Vec<f64> {
         let of_condition = |condition: &Condition<D>| {
             let slides = condition.slides();
@@ -350,8 +349,8 @@ impl<const D: usize> State<D> {
         conditions.iter().flat_map(of_condition).collect()
     }
 
-    /// Tells the conditions of the stage where their sides were when their bodies appeared and when the stage begins, and links what they
-    /// found.
+    /// Sets in the conditions of the stage the displacements of their sides when their bodies appeared and when the stage begins, and in
+    /// links those of the moment when they came.
     ///
     /// Errors: a prescribed displacement of an obstacle that is not finite.
     pub fn place(&self, model: &Model<D>, conditions: &mut [Condition<D>]) -> Result<(), Error<D>> {
@@ -384,15 +383,15 @@ impl<const D: usize> State<D> {
         Ok(())
     }
 
-    /// When a spring of a body came, by its place among those that are there.
+    /// Birth of a spring of a body, by its place among the present ones.
     fn spring(&self, body: usize, place: usize) -> Option<&Birth<D>> {
         let there = &self.presence.springs[body];
         let place = (0..there.len()).filter(|&k| there[k]).nth(place)?;
         self.births.get(&Thing::Spring(body, place))
     }
 
-    /// Where the two sides of a contact of the stage were at the end of the last step. What is prescribed of an obstacle that
-    /// comes is its way before, too; one that forces move comes as it is drawn.
+    /// Displacements of the two sides of a contact of the stage at the end of the last step. An obstacle that comes has its prescribed
+    /// displacement of that time; one that forces move comes undisplaced.
     fn began(
         &self,
         whole: &[usize],
@@ -416,7 +415,7 @@ impl<const D: usize> State<D> {
         })
     }
 
-    /// What the sides of a contact between these two bodies were fitted to: the later one to the one that was there.
+    /// The fit of the sides of a contact between these two bodies: the later body to the one that was there.
     fn fit(&self, contact: &str, own: usize, other: usize) -> Fit<D> {
         if let Some(birth) = self.births.get(&Thing::Tie(contact.to_string())) {
             let [own, other] = [own, other].map(|body| birth.moved[body].clone());
@@ -434,8 +433,8 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// At each node of a body that appears, what the nearest node on the other side of its contacts has moved; `None` where it
-    /// touches nothing that was there.
+    /// At each node of a body that appears, the displacement of the nearest node on the other side of its contacts; `None` if it has
+    /// no contact with a present body.
     fn fitted_to(&self, model: &Model<D>, body: usize) -> Motion<D> {
         let mut opposite: Vec<(Point<D>, Point<D>)> = Vec::new();
         for contact in &model.contacts {
