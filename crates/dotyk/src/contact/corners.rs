@@ -1,11 +1,12 @@
-//! Sides with sharp corners, in space edges, taken apart: a corner has a normal, and a condition, for each of its faces.
+//! Sides split at sharp corners (in space edges): a corner has a normal, and a condition, for each of its faces.
 //!
 //! One condition along the mean of two normals would let the corner of a block slide through the floor of the pocket that
 //! it sits in, as soon as it leaves the wall.
 //!
-//! An obstacle is not always met along a face: the edge of a wedge over a roller moves straight down onto it, and twice as far before
-//! distances along faces at 45° are used up. A corner has every normal of the cone that its faces span, and meets an obstacle
-//! along that one which is nearest to the way there. Where this is none of the faces' own, they have one condition together.
+//! An obstacle is not always met along the normal of a face: the edge of a wedge moves straight down onto a roller, and with faces at
+//! 45° the distances along their normals would let it go twice as far. A corner has every normal of the cone that its faces span, and
+//! meets an obstacle along the one nearest to the direction to the obstacle. If that is not the normal of a face, the faces have one
+//! common condition.
 
 use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
@@ -19,7 +20,7 @@ use crate::mesh::{Facet, SHARP};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The parts of a side between its sharp corners or edges, in the order of its chain, in space of their first facets; the whole
-/// where it has none.
+/// if it has no corner.
 ///
 /// Errors: unknown or empty sides, nodes off the true surface of the side.
 pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, ContactError> {
@@ -89,21 +90,21 @@ fn meeting<const D: usize>(end: End<'_, D>) -> Result<Meeting<D>, ContactError> 
     Ok(meeting)
 }
 
-/// Corners that meet an obstacle between their faces, by node.
+/// Corners that meet an obstacle between the normals of their faces, by node.
 pub type Corners<const D: usize> = BTreeMap<usize, Corner<D>>;
 
-/// A corner that meets an obstacle between its faces: they have one condition together.
+/// A corner that meets an obstacle between the normals of its faces: they have one common condition.
 #[derive(Debug, Clone)]
 pub struct Corner<const D: usize> {
     /// The direction of this condition.
     pub normal: Point<D>,
-    /// What the node has of the facets that bear it, those that face the obstacle or else all, and of all.
+    /// Weights of the node in the bearing facets (those that face the obstacle, or else all), and in all facets.
     pub weights: [NodalWeight; 2],
-    /// Of the facets that bear it the one that looks there most: the condition belongs to its surface.
+    /// The bearing facet most nearly opposite to the obstacle: the condition belongs to its surface.
     pub owner: Facet,
 }
 
-/// The corners of a whole side that meet an obstacle between their faces.
+/// The corners of a whole side that meet an obstacle between the normals of their faces.
 ///
 /// Errors: unknown or empty sides, nodes off the true surface of the side.
 pub fn corners_above<const D: usize>(
@@ -138,7 +139,7 @@ pub fn corners_above<const D: usize>(
         let around = &meeting[&node];
         let sees = |of: &&(usize, Point<D>)| facing.contains(&side[of.0]);
         let seen: Vec<&(usize, Point<D>)> = around.iter().filter(sees).collect();
-        // the tip of a needle touches though neither of its faces looks there
+        // the tip of a needle touches although neither of its faces is opposed to the obstacle
         let (bearing, own) = match seen.is_empty() {
             true => (around.iter().collect(), all[&node]),
             false => (seen, some[&node]),
@@ -155,7 +156,7 @@ pub fn corners_above<const D: usize>(
     Ok(between.iter().filter_map(corner).collect())
 }
 
-/// Not all facets that meet at a node go over into each other there, be it that they do so around the corner.
+/// Some facets that meet at a node form a corner there, even if a chain of facets around the corner joins them smoothly.
 fn is_sharp<const D: usize>(meeting: &[(usize, Point<D>)]) -> bool {
     let mut groups = Groups::new(meeting.len());
     for (a, (_, normal)) in meeting.iter().enumerate() {
@@ -168,7 +169,7 @@ fn is_sharp<const D: usize>(meeting: &[(usize, Point<D>)]) -> bool {
     (0..meeting.len()).any(|facet| groups.first(facet) > 0)
 }
 
-/// The direction in the cone of some normals that is nearest to one; `None` where that is one of them.
+/// The direction in the cone of some normals that is nearest to a given one; `None` if it is one of the normals.
 fn between<const D: usize>(
     faces: impl Iterator<Item = Point<D>>,
     direction: Point<D>,
@@ -294,20 +295,20 @@ mod tests {
             corners.get(&node).cloned()
         };
         let s = |n: f64| 1.0 / n.sqrt();
-        // before the corner: straight there; its three facets do not see the ball, and bear it all
+        // in front of the corner: straight to the ball; its three facets do not face it, and all bear
         let corner = at([2.0; 3], [1.0; 3]).unwrap();
         assert!(distance(corner.normal, [s(3.0); 3]) < 1e-15);
         assert!((corner.weights[0].area - 3.0 / 16.0).abs() < 1e-15);
-        // before an edge: across it, whatever lies along it
+        // in front of an edge: across it, whatever the position along it
         for along in [0.5, 0.7] {
             let corner = at([along, 2.0, 2.0], [0.5, 1.0, 1.0]).unwrap();
             assert!(distance(corner.normal, [0.0, s(2.0), s(2.0)]) < 1e-15);
             assert!((corner.weights[1].area - 4.0 / 16.0).abs() < 1e-15);
         }
-        // before a face: along its own normal, one for each face
+        // in front of a face: along its own normal, one for each face
         assert!(at([0.5, 0.5, 2.0], [1.0; 3]).is_none());
         assert!(at([2.0; 3], [0.5, 0.5, 1.0]).is_none());
-        // a little off the face it is the same, and the face that sees more bears it
+        // slightly off the face the result is the same, and the more nearly opposed face bears
         let corner = at([1.01, 1.02, 2.0], [1.0; 3]).unwrap();
         assert!(distance(corner.normal, unit([0.01, 0.02, 1.0]).unwrap()) < 1e-15);
         let top = body.mesh.side("top").unwrap();

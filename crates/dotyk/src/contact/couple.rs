@@ -1,6 +1,6 @@
 //! Couples: a side and its reference point as an interface with free multipliers, without a gap.
 //!
-//! The point stands behind the bodies as a part of two nodes. Node 0 has its displacement u_p, node 1 its rotation θ as the
+//! The point is a part of two nodes after the bodies. Node 0 has its displacement u_p, node 1 its rotation θ as the
 //! length φ = Lθ at the end of an arm L, so that forces there are M/L. With r = x − x_p and the rigid motion
 //! u_p + Σₖ θₖ eₖ × r, a rigid couple has the rows
 //!
@@ -28,8 +28,8 @@ use crate::fem::{Analysis, Couple, CoupleKind, FemError, RigidBasis, side_nodes,
 use crate::geometry::{Point, add_scaled, dot, invert, sub};
 use std::collections::BTreeMap;
 
-/// The interface of a couple of the body at this end. Its nodes carry rows one after the other; those of an average couple
-/// stand for it alone, in no place of the side.
+/// The interface of a couple of the body at this end. Its nodes carry the rows in order; those of an average couple are mere
+/// carriers without a place on the side.
 ///
 /// Errors: an unknown or empty side, one without area, a point that is not finite.
 pub fn pair_couple<const D: usize>(
@@ -100,7 +100,7 @@ fn rigid<const D: usize>(
     let axial = analysis == Analysis::Axisymmetric;
     let rows = |node: usize| {
         let r = sub(end.body.mesh.points()[node], couple.point);
-        // what the axis of symmetry holds needs no condition
+        // components held by the axis of symmetry need no condition
         let held = end.constraints.at(node);
         let by_symmetry = held.iter().any(|h| h.supports.is_empty());
         let components = (0..D).filter(|&i| !(by_symmetry && i == 0));
@@ -116,7 +116,7 @@ fn rigid<const D: usize>(
     Ok(nodes.into_iter().map(rows).collect())
 }
 
-/// What the integrals over a side are made of: for every node ∫N, and ∫N r.
+/// Terms of the integrals over a side: for every node ∫N, and ∫N r.
 #[derive(Clone, Copy)]
 struct Share<const D: usize> {
     weight: f64,
@@ -161,7 +161,7 @@ fn average<const D: usize>(
             side: couple.side.clone(),
         });
     }
-    // rotations that an analysis does not have, apart from the others
+    // rotations that an analysis lacks are decoupled from the others
     (turns..D).for_each(|k| inertia[k][k] = 1.0);
     let (inverse, _) = invert(&inertia);
     let radius = ((0..turns).map(|k| inertia[k][k]).sum::<f64>() / area).sqrt();

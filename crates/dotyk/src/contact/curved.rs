@@ -1,4 +1,4 @@
-//! The curve behind a side: the true surface where it is known, and how far the mesh is off it where it is not.
+//! The curve behind a side: the true surface where it is known, else the distance of the mesh from it.
 
 use crate::contact::{ContactError, End};
 use crate::fem::{TrueSurface, show};
@@ -40,16 +40,16 @@ pub(super) fn true_surface<'a, const D: usize>(
     Ok(surface)
 }
 
-/// Largest distance of the facets around each node of a side from the smooth curve or surface that they stand for; nodes around which
-/// nothing is missed are left out. Nothing is where the true surface is known, and across corners.
+/// Largest distance of the facets around each node of a side from the smooth curve or surface that they approximate. Nodes with zero
+/// distance are left out; it is zero where the true surface is known, and across corners.
 ///
 /// * Straight facets of length L that turn by θ at their common node miss Lθ/8. In space a facet has the extent L across each of
-///   its edges, and what it misses in its two directions adds up: half of the sum over four edges, the sum over three.
-/// * Parabolas of length L and rise s, whose curvature κ = 8s/L² changes by Δκ at a common node: s³/L² is what a parabola
-///   through three points of a circle misses, Δκ L²/(72√3) what it misses of a curve whose curvature changes; and a quarter of
-///   what straight ones would miss, since parabolas on a circle turn, too.
+///   its edges, and its errors in two directions add up: half of the sum over four edges, the sum over three.
+/// * Parabolas of length L and rise s, whose curvature κ = 8s/L² changes by Δκ at a common node: s³/L² is the error of a parabola
+/// through three points of a circle, Δκ L²/(72√3) that for a curve whose curvature changes; and a quarter of the error of
+/// straight facets, since parabolas on a circle turn, too.
 /// * A corner is a sharp one, or a blunt one between two flat parts of the side, each of which goes on beyond its first facet: a
-///   curve would turn again there. The bend of a step is what it is drawn as.
+///   curve would turn again there. The bend of a step is taken as drawn.
 ///
 /// Errors: unknown or empty sides.
 pub(crate) fn missed_by_nodes<const D: usize>(
@@ -96,19 +96,19 @@ pub(crate) fn missed_by_nodes<const D: usize>(
     Ok(by_nodes)
 }
 
-/// The flat parts of a side: facets that go on without a turn.
+/// The flat parts of a side: chains of facets without a turn.
 struct Flat<'a, const D: usize> {
     mesh: &'a Mesh<D>,
-    /// Of each facet, by index, the nodes of its part.
+    /// For each facet, by index, the nodes of its part.
     parts: Vec<Rc<[u32]>>,
     /// The facets.
     facets: &'a [Facet],
 }
 
-/// Facets that turn by less, in radians, go on flat, and those that turn by ten times that may meet at a corner.
+/// Facets that turn by less, in radians, are one flat part, and those that turn by ten times that may meet at a corner.
 const FLAT: f64 = 1e-3;
 
-/// A flat part goes on beyond a facet where it reaches farther by this factor.
+/// A flat part continues beyond a facet if it reaches farther by this factor.
 const BEYOND: f64 = 1.1;
 
 impl<'a, const D: usize> Flat<'a, D> {
@@ -144,7 +144,7 @@ impl<'a, const D: usize> Flat<'a, D> {
         }
     }
 
-    /// Two facets turn at a common place, and both go on flat beyond themselves.
+    /// Two facets turn at a common place, and the flat parts of both continue beyond them.
     fn meet_at_corner(&self, a: (usize, &Piece<D>), b: (usize, &Piece<D>)) -> bool {
         let turn = angle(a.1.normal, b.1.normal);
         let goes_on = |(index, piece)| self.goes_on(index, piece);
@@ -171,7 +171,7 @@ impl<'a, const D: usize> Flat<'a, D> {
     }
 }
 
-/// What two facets that meet at a place miss of a smooth curve across it.
+/// Distance of two facets that meet at a place from a smooth curve across it.
 fn missed_between<const D: usize>(a: &Piece<D>, b: &Piece<D>) -> f64 {
     let length = a.length.max(b.length);
     let straight = length * angle(a.normal, b.normal) / 8.0;
@@ -183,7 +183,7 @@ fn missed_between<const D: usize>(a: &Piece<D>, b: &Piece<D>) -> f64 {
     }
 }
 
-/// The angle between two unit vectors, as exact as they are where it is small; less than their rounding is none.
+/// The angle between two unit vectors, accurate for small angles; zero below their rounding.
 fn angle<const D: usize>(a: Point<D>, b: Point<D>) -> f64 {
     let turn = 2.0 * (0.5 * norm(sub(a, b))).min(1.0).asin();
     if turn > PARALLEL { turn } else { 0.0 }
@@ -224,7 +224,7 @@ struct Piece<const D: usize> {
     normal: Point<D>,
     /// Extent of the facet across the place.
     length: f64,
-    /// How far the facet bends over that length: of its middle node off the chord, along its normal in the middle.
+    /// Rise of the facet over that length: distance of its middle node from the chord, along its normal in the middle.
     rise: f64,
 }
 
@@ -279,8 +279,8 @@ fn extent_across<const D: usize>(mesh: &Mesh<D>, facet: Facet, k: usize) -> f64 
     part * norm(area) / edge
 }
 
-/// How far the middle nodes of a facet, in space those of its edges, lie off their chords along its normal in the middle, with
-/// the chords; no rise where there are none.
+/// Distances of the middle nodes of a facet, in space those of its edges, from their chords along its normal in the middle, with
+/// the chords; zero without middle nodes.
 fn bows<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(f64, f64)> {
     let kind = mesh.facet_kind(facet);
     let corners = kind.corners();
@@ -317,7 +317,7 @@ mod tests {
     use crate::geometry::Surface;
     use crate::mesh::CellKind;
 
-    /// The most that a side misses anywhere.
+    /// The largest distance of a side from its curve.
     fn sagitta<const D: usize>(end: End<'_, D>) -> Result<f64, ContactError> {
         let missed = missed_by_nodes(end)?;
         Ok(missed.values().fold(0.0, |most, &missed| most.max(missed)))
@@ -360,7 +360,7 @@ mod tests {
             // the largest of all nodes
             assert!(near(off(&[1.0, 1.0, 1.0], &[0.05, -0.03]), 0.05 / 8.0));
             assert!(near(off(&[1.0, 1.0, 1.0], &[0.03, -0.05]), 0.05 / 8.0));
-            // a sharp corner is one
+            // a sharp corner counts as a corner
             assert!(near(off(&[1.0, 1.0, 1.0], &[0.05, 0.53]), 0.05 / 8.0));
             assert!(near(off(&[1.0, 1.0], &[0.52]), 0.52 / 8.0));
         }
@@ -376,10 +376,10 @@ mod tests {
             let off = |lengths: &[f64], turns: &[f64]| off(&polygon(lengths, turns, cell));
             // a step with flanks, a bend
             let step = [0.0, 0.4, 0.0, -0.4, 0.0];
-            // the rise of a straight parabola is rounding, and goes in with its third power
+            // the rise of a straight parabola is rounding, and enters with its third power
             assert!(off(&[1.0; 6], &step) < 1e-40);
             assert!(off(&[1.0, 2.0, 3.0, 1.0], &[0.0, 0.3, 0.0]) < 1e-40);
-            // beside a single facet nobody knows, and an arc between tangents turns at all of its nodes
+            // beside a single facet a corner is not recognised, and an arc between tangents turns at all of its nodes
             let near = |a: f64, b: f64| (a - b).abs() < 1e-13;
             assert!(near(off(&[1.0, 1.0, 1.0], &[0.0, 0.3]), 0.3 / 8.0));
             let arc = [0.0, 0.1, 0.2, 0.1, 0.0];
@@ -441,7 +441,7 @@ mod tests {
                 "{cell:?} {found}"
             );
         }
-        // a roof of two flat halves is no curve, and one of as many facets as planes may be
+        // a roof of two flat halves is not a curve, and one with as many facets as planes may be
         let roof: fn(Point<3>) -> f64 = |[x, _, _]| -0.2 * x.abs();
         for cell in [CellKind::Hex8, CellKind::Tet4, CellKind::Hex20] {
             for along in [1, 8] {
@@ -467,7 +467,7 @@ mod tests {
         }
     }
 
-    /// How far the facets of a wall are off a curve, looked at in many places.
+    /// Distance of the facets of a wall from a curve, sampled at many places.
     fn far(body: &Body<2>, distance: impl Fn(Point<2>) -> f64) -> f64 {
         let facets = body.mesh.side("bottom").unwrap();
         let places = (0..=100).map(|k| 0.02 * f64::from(k) - 1.0);
@@ -543,7 +543,7 @@ mod tests {
             // one of them is straight
             ([0.1, 0.0], 0.19, 1.0),
             ([0.0, 0.1], 0.19, 1.0),
-            // neither is bent as much as they turn
+            // both are bent less than they turn
             ([0.01, 0.01], -0.2, 1.0),
         ] {
             let most = rises[0].max(rises[1]);
@@ -573,7 +573,7 @@ mod tests {
             center: [0.0, 0.0],
             radius: 2.0,
         };
-        // what the maker of the mesh knew
+        // without the surface that the mesh generator knew
         body.surfaces.remove("outer");
         assert_eq!(sagitta(end(&body, "outer", &free)).unwrap(), 0.0);
         body.surfaces.insert("outer".to_string(), Some(surface));
@@ -584,7 +584,7 @@ mod tests {
         let half = Mesh::clone(&body.mesh).with_patch("half", "outer", min, max);
         body.mesh = half.unwrap().into();
         assert_eq!(sagitta(end(&body, "half", &free)).unwrap(), 0.0);
-        // of one that goes beyond it the rest is as far off as by itself
+        // on a side that extends beyond it the other facets are as far off as alone
         body.mesh = Mesh::clone(&body.mesh).with_side("all", |_| true).into();
         let rest = sagitta(end(&body, "inner", &free)).unwrap();
         assert_eq!(sagitta(end(&body, "all", &free)).unwrap(), rest);

@@ -1,4 +1,4 @@
-//! What can be wrong with a contact.
+//! Errors of a contact.
 
 use crate::fem::FemError;
 
@@ -39,7 +39,7 @@ pub enum ContactError {
         /// Distance of the nearest node of the other side.
         distance: f64,
     },
-    /// A place that takes no part lies elsewhere.
+    /// An excluded place is not on the nonmortar side.
     #[error(
         "what is excluded {place} has no node of {side}, the side that carries the contact forces"
     )]
@@ -49,7 +49,7 @@ pub enum ContactError {
         /// The place.
         place: String,
     },
-    /// Every node takes no part.
+    /// Every node is excluded.
     #[error("all nodes of {side} are excluded: nothing is left of the contact")]
     NothingLeft {
         /// The nonmortar side.
@@ -81,7 +81,7 @@ pub enum ContactError {
         /// Its distance from the surface.
         distance: f64,
     },
-    /// A coefficient or bound of friction makes no sense.
+    /// A coefficient or bound of friction is invalid.
     #[error(
         "friction = {text} is {value} at {point} on side \"{side}\"; it must be finite and not negative"
     )]
@@ -95,7 +95,7 @@ pub enum ContactError {
         /// Its value there.
         value: f64,
     },
-    /// What a joint bears in tension is no number from 0 to its cohesion over its coefficient of friction.
+    /// The tensile strength of a joint is not between 0 and its cohesion over its coefficient of friction.
     #[error(
         "the tension {text} of {side} is {value} at {point}: it must lie between 0 and cohesion over coulomb, {most}"
     )]
@@ -111,7 +111,7 @@ pub enum ContactError {
         /// The largest that it may be.
         most: f64,
     },
-    /// Nothing is to be excluded there.
+    /// There is no node with a multiplier to exclude there.
     #[error(
         "no node of {side} {place} carries a multiplier: in space corners of facets do, nodes in the middle of edges do not; name a corner, or a side"
     )]

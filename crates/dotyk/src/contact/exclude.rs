@@ -1,7 +1,7 @@
-//! Nodes that take no part in a contact, or none in its friction.
+//! Nodes excluded from a contact, or from its friction.
 //!
-//! The rows of an excluded node are left out: no force acts there and no gap is looked at, neither at the node nor on the facets
-//! that it belongs to. The rows of the other nodes are what they would be with it.
+//! The rows of an excluded node are left out: no force acts there and no gap is checked, neither at the node nor on its facets.
+//! The rows of the other nodes are the same as with it.
 
 use crate::contact::{ContactError, End, Interface, Role};
 use crate::fem::{Place, describe, nearest_node, side_nodes};
@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 impl<const D: usize> End<'_, D> {
     /// The nodes of the side at some places of its body: on another side, or nearest to a point.
     ///
-    /// Errors: an unknown side, a point far from all nodes, a place without a node of this side, a side of which nothing is left.
+    /// Errors: an unknown side, a point far from all nodes, a place without a node of this side, a side without remaining nodes.
     pub fn nodes_at(&self, places: &[Place<D>]) -> Result<BTreeSet<usize>, ContactError> {
         let mesh = &self.body.mesh;
         let fail = |source| ContactError::Side {

@@ -23,8 +23,8 @@ pub struct Unmatched<const D: usize> {
     pub distance: f64,
 }
 
-/// The first facet that faces the other side and has a node without a partner; `None` when node-to-node pairing leaves
-/// nothing out, be it that all nodes there coincide or that the sides do not face each other.
+/// The first facet that faces the other side and has a node without a partner; `None` if node-to-node pairing is complete,
+/// because all nodes there coincide or the sides do not face each other.
 ///
 /// Errors: unknown or empty sides.
 pub fn unmatched_facing<const D: usize>(
@@ -56,8 +56,8 @@ pub fn unmatched_facing<const D: usize>(
 }
 
 /// Whether facets that face each other have the same nodes: else coincident nodes bear different parts of a pressure on the
-/// two sides (a quadratic facet over two linear ones, triangles over squares), and node-to-node pairing does not pass a uniform
-/// one.
+/// two sides (a quadratic facet over two linear ones, triangles over squares), and node-to-node pairing does not transmit a
+/// uniform pressure.
 ///
 /// Errors: unknown or empty sides.
 pub fn facets_coincide<const D: usize>(
@@ -83,8 +83,8 @@ pub fn facets_coincide<const D: usize>(
     }))
 }
 
-/// Lines start at the middle of a facet and so far from it towards its corners. Where two sides share less than a thousandth of
-/// their facets nodes have no multipliers in any pairing: what overlaps there the judge finds between the nodes.
+/// Lines start at the middle of a facet and at these parts of the way to its corners. Where two sides share less than a thousandth
+/// of their facets nodes have no multipliers in any pairing; the judge finds overlaps there between the nodes.
 const STARTS: [f64; 5] = [0.0, 0.5, 0.9, 0.99, 0.999];
 
 fn sees<const D: usize>(mesh: &Mesh<D>, facet: Facet, search: &Search<'_, D>) -> bool {
@@ -189,9 +189,9 @@ mod tests {
         // one quadratic facet over two linear ones
         assert!(!coincide(&build(quadratic, 1.0), &build(linear, -1.0)));
         assert!(!coincide(&build(linear, 1.0), &build(quadratic, -1.0)));
-        // what does not face the other side may have what nodes it likes
+        // facets that do not face the other side may have any nodes
         assert!(coincide(&build(quadratic, 1.0), &build(linear, 1.0)));
-        // nodes without a partner are asked for elsewhere
+        // nodes without a partner are tested elsewhere
         let other = flat(&[0.0, 1.5, 4.0], -1.0, linear);
         assert!(coincide(&build(linear, 1.0), &other));
     }

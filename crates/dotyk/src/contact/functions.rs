@@ -6,15 +6,15 @@
 //! and displacements of second order with pressures of first order have the rates of the second.
 //!
 //! The *functions of a facet* are in the plane the shape functions of all its nodes, in space the hats of its corners; ψ are
-//! biorthogonal to them, or to the hats of the box that bounds what of a cell is covered:
+//! biorthogonal to them, or to the hats of the bounding box of the covered part of a cell:
 //!
 //! ```text
-//!   ψ = A N,     A = diag(∫N) M⁻¹,     M = ∫NNᵀ     over what faces the other side
+//!   ψ = A N,     A = diag(∫N) M⁻¹,     M = ∫NNᵀ     over the part that faces the other side
 //! ```
 //!
-//! The force of a node then acts at a corner of that box. Where a corner is not covered itself, a body could be held beside what
-//! it lies on; the place p of what is covered that is nearest to it takes its part, and ψᵢ is the multiple of the function whose
-//! product with any bilinear one is the value of that at pᵢ, of such sizes wᵢ that they sum to one:
+//! The force of a node then acts at a corner of that box. If a corner is not covered itself, a force there would hold a body beside
+//! its support. Then the nearest place p of the covered part replaces it: ψᵢ is a multiple wᵢ of the function whose product with
+//! any bilinear function is the value of that function at pᵢ, and the wᵢ are such that the ψ sum to one:
 //!
 //! ```text
 //!   ψᵢ = wᵢ h(pᵢ)ᵀ M⁻¹ h,     Σ wᵢ h(pᵢ) = ∫h,     h the hats of the box
@@ -30,7 +30,7 @@ use std::collections::BTreeMap;
 /// Most functions of a facet.
 pub(super) const FUNCTIONS: usize = 4;
 
-/// Values of the functions of a facet or cell; those that it does not have are zero.
+/// Values of the functions of a facet or cell; missing ones are zero.
 pub(super) type Values = [f64; FUNCTIONS];
 
 /// A stretch of reference coordinates, ξ ↦ (ξ − origin)·scale.
@@ -46,7 +46,7 @@ impl Stretch {
         scale: [1.0; 2],
     };
 
-    /// Takes the smallest box, in a triangle the smallest similar triangle, around some points to the whole of a domain.
+    /// Maps the smallest box (in a triangle the smallest similar triangle) around some points to the whole domain.
     fn to_whole(domain: Domain, points: &[[f64; 2]]) -> Self {
         let least =
             |f: &dyn Fn(&[f64; 2]) -> f64| points.iter().map(f).fold(f64::INFINITY, f64::min);
@@ -81,7 +81,7 @@ impl Stretch {
         [0, 1].map(|d| xi[d] / self.scale[d] + self.origin[d])
     }
 
-    /// The part of the domain that is taken to the whole.
+    /// The part of the domain that is mapped to the whole.
     fn part(&self, domain: Domain) -> f64 {
         match domain {
             Domain::Line => 1.0 / self.scale[0],
@@ -173,11 +173,11 @@ pub(super) struct Piece {
     pub points: Vec<([f64; 2], f64)>,
 }
 
-/// A place counts as in a piece up to this distance in reference coordinates: on curved sides pieces end on straight lines.
+/// A place counts as inside a piece up to this distance in reference coordinates: on curved sides pieces end on straight lines.
 const BESIDE: f64 = 0.1;
 
 impl Piece {
-    /// Whether a place of the facet lies in the piece, or hardly beside it.
+    /// Whether a place of the facet lies in the piece, or just beside it.
     pub fn near(&self, xi: [f64; 2]) -> bool {
         let corners = self.corners.len();
         let double: f64 = (0..corners).map(|k| self.edge(k).1).sum();
@@ -194,7 +194,7 @@ impl Piece {
         })
     }
 
-    /// Start and direction of an edge, and what it adds to twice the area.
+    /// Start and direction of an edge, and its contribution to twice the area.
     fn edge(&self, k: usize) -> ([[f64; 2]; 2], f64) {
         let (a, b) = (self.corners[k], self.corners[(k + 1) % self.corners.len()]);
         let along = [b[0] - a[0], b[1] - a[1]];
@@ -205,11 +205,11 @@ impl Piece {
 /// A facet is covered, an interval has no hole, when all but this part of it faces the other side: rounding.
 const COVERED: f64 = 1e-9;
 
-/// What of a surface is covered has functions of its bounding box when it fills at least this part of that: of parts of any shape
-/// they would leave systems so ill-conditioned that one in eight balls on a floor finds no answer.
+/// The covered part of a surface cell has the functions of its bounding box if it fills at least this part of the box: for parts of any
+/// shape the systems would be so ill-conditioned that one in eight balls on a floor has no answer.
 const FILLED: f64 = 0.9;
 
-/// What of a cell is covered: its bounding box, and where in the coordinates of that the forces of its nodes act.
+/// The covered part of a cell: its bounding box, and the places, in the coordinates of the box, where the forces of its nodes act.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Covered {
     pub bound: Stretch,
@@ -253,9 +253,9 @@ fn nearest(points: &[[f64; 2]], place: [f64; 2]) -> [f64; 2] {
     if best.0 > COVERED { best.1 } else { place }
 }
 
-/// Which parts of the side face the other one.
+/// The parts of the side that face the other one.
 pub(super) struct Cover {
-    /// How much of each facet.
+    /// Covered part of each facet.
     facets: BTreeMap<Facet, f64>,
     /// The covered part of each cell, where it has no hole.
     cells: BTreeMap<usize, Option<Covered>>,
@@ -299,14 +299,14 @@ type Matrix = [Values; FUNCTIONS];
 pub(super) enum Basis {
     /// ψ = A N with the functions N of the facet.
     OfFacet(CellKind, Matrix),
-    /// ψ = A h with the hats h of a stretch, and where in the coordinates of that the forces act.
+    /// ψ = A h with the hats h of a stretch, and the places where the forces act.
     OfCell(CellKind, Covered, Matrix),
     /// Hats of the cell.
     Hats,
 }
 
 impl Basis {
-    /// Biorthogonal to the functions of a facet, over points with areas; where all weights are positive.
+    /// Biorthogonal to the functions of a facet, over points with areas; `None` unless all weights are positive.
     pub fn of_facet(kind: CellKind, points: impl Iterator<Item = ([f64; 2], f64)>) -> Option<Self> {
         let (weights, mass) = moments(points.map(|(xi, area)| (values(kind, xi), area)));
         let n = kind.nodes();
@@ -316,7 +316,7 @@ impl Basis {
         (smallest > POSITIVE * mean).then_some(Self::OfFacet(kind, matrix))
     }
 
-    /// Of the covered part of a cell, with forces where it ends; where all weights are positive.
+    /// For the covered part of a cell, with forces at its ends; `None` unless all weights are positive.
     pub fn of_cell(
         cell: &Cell,
         covered: &Covered,
@@ -342,8 +342,8 @@ impl Basis {
         (positive && tame(&matrix)).then(|| Self::OfCell(kind, covered.clone(), matrix))
     }
 
-    /// ψ of each node of a facet or cell, `nodes` of these, at ξ; where the functions are hats, a node that carries nothing
-    /// leaves its part to the others.
+    /// ψ of each node of a facet or cell at ξ; where the functions are hats, a node without a multiplier leaves its part to the
+    /// others.
     pub fn values(&self, cell: &Cell, xi: [f64; 2], carries: &[bool]) -> Values {
         let dual = |kind: CellKind, xi: [f64; 2], matrix: &Matrix| {
             let functions = values(kind, xi);
@@ -357,7 +357,7 @@ impl Basis {
     }
 
     /// Where on the facet the force of its k-th function acts: the value there of any function of the facet, in part of a cell of
-    /// any linear one, is its mean with ψ. None of hats, whose forces are spread.
+    /// any linear one, is its mean with ψ. `None` for hats, whose forces are spread.
     pub fn acts_at(&self, k: usize) -> Option<[f64; 2]> {
         match self {
             Self::OfFacet(kind, _) => {
@@ -369,7 +369,7 @@ impl Basis {
         }
     }
 
-    /// The part of a point that each node stands for: positive functions that sum to one.
+    /// The share of each node in a point: positive functions that sum to one.
     pub fn shares(&self, cell: &Cell, xi: [f64; 2], carries: &[bool]) -> Values {
         match self {
             Self::OfFacet(kind, _) => values(*kind, xi),
@@ -379,7 +379,7 @@ impl Basis {
     }
 }
 
-/// Hats at a point; those of nodes that carry nothing go to the others, in equal parts.
+/// Hats at a point; those of nodes without multipliers go to the others, in equal parts.
 fn hats(cell: &Cell, xi: [f64; 2], carries: &[bool]) -> Values {
     let hats = cell.hats(xi);
     let carrying = carries.iter().filter(|c| **c).count();
@@ -418,7 +418,7 @@ fn moments(points: impl Iterator<Item = (Values, f64)>) -> (Values, Matrix) {
     (weights, mass)
 }
 
-/// Biorthogonal functions that are larger than this somewhere belong to a covered part that fills its box too badly.
+/// Biorthogonal functions that exceed this somewhere belong to a covered part that fills its box too poorly.
 const LARGEST: f64 = 50.0;
 
 /// diag(∫N) M⁻¹ of the first `n` functions; `None` where that is singular.
@@ -430,7 +430,7 @@ fn dual(weights: Values, mass: Matrix, n: usize) -> Option<Matrix> {
     tame(&matrix).then_some(matrix)
 }
 
-/// Functions of such coefficients are nowhere too large; not those of a singular matrix, which are no numbers.
+/// Functions with these coefficients are nowhere too large; false for a singular matrix, which gives NaN.
 fn tame(matrix: &Matrix) -> bool {
     matrix.iter().flatten().all(|a| a.abs() < LARGEST)
 }
@@ -513,7 +513,7 @@ mod tests {
         }
     }
 
-    /// Whether a facet of the plane is covered by some intervals, and what they are together.
+    /// Whether a facet of the plane is covered by some intervals, and their union.
     fn cover(ends: &[[f64; 2]]) -> (bool, Option<[f64; 2]>) {
         let body = flat(&[0.0, 1.0], 1.0, CellKind::Quad4);
         let facet = body.mesh.side("bottom").unwrap()[0];
@@ -549,7 +549,7 @@ mod tests {
                 assert!((a - b).abs() < 1e-15);
             }
         }
-        // a billionth is rounding, of the facet as of the place
+        // a billionth is rounding, for the facet and for the place
         assert!(cover(&[[-1.0, 1.0 - 1.8e-9]]).0);
         assert!(!cover(&[[-1.0, 1.0 - 2.2e-9]]).0);
         assert!(cover(&[[-1.0, 0.0], [0.95e-9, 0.5]]).1.is_some());

@@ -1,18 +1,18 @@
-//! The gaps of an interface again, after something has moved, without pairing it again.
+//! Updates the gaps of an interface after a motion, without pairing again.
 //!
 //! ```text
-//!   gapᵢ = Σₖ wₖ s(xₖ) / Σₖ wₖ,     s(x) = n·(y − x) + what the meshes miss of their curves
+//!   gapᵢ = Σₖ wₖ s(xₖ) / Σₖ wₖ,     s(x) = n·(y − x) + the distances of the meshes from their curves
 //! ```
 //!
-//! Kept: which points x and y face each other (nodes and shape functions), the normals n, the weights wₖ = ψᵢ(xₖ) dxₖ and the
-//! rows. What moves: the nodes of both sides, the obstacle, and the time of a gap that is given as a function.
+//! Kept: the points x and y that face each other (nodes and shape functions), the normals n, the weights wₖ = ψᵢ(xₖ) dxₖ and the
+//! rows. Changed: the nodes of both sides, the obstacle, and the time of a gap that is given as a function.
 
 use crate::contact::obstacle::finite_gap;
 use crate::contact::{ContactError, End, Interface};
 use crate::geometry::{Field, Point, add_scaled, dot};
 use std::borrow::Cow;
 
-/// A point of the nonmortar side and what lies opposite it.
+/// A point of the nonmortar side and the point opposite it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GapPoint<const D: usize> {
     /// Nodes and shape functions of the nonmortar side.
@@ -30,12 +30,12 @@ pub struct GapPoint<const D: usize> {
 pub struct GapShares {
     /// Points and weights wₖ.
     pub mean: Vec<(usize, f64)>,
-    /// The point at the node itself; none where it faces nothing there, and the mean stands for it.
+    /// The point at the node itself; `None` if nothing is opposite there, and the mean replaces it.
     pub at_node: Option<usize>,
 }
 
 impl GapShares {
-    /// The same shares of points that others precede.
+    /// The same shares, with the indices of points shifted by `before`.
     pub(super) fn after(self, before: usize) -> Self {
         let mean = self.mean.into_iter();
         Self {
@@ -47,7 +47,7 @@ impl GapShares {
     }
 }
 
-/// How far what a contact sees has moved since it was paired.
+/// Displacements of the sides of a contact since it was paired.
 pub struct Moved<'a, const D: usize> {
     /// Displacements of the nodes of the nonmortar body.
     pub own: Cow<'a, [Point<D>]>,
@@ -78,7 +78,7 @@ impl<const D: usize> GapPoint<D> {
         finite_gap(field, self.place(end.body.mesh.points()), time, end)
     }
 
-    /// Where it is.
+    /// Its position.
     pub fn place(&self, points: &[Point<D>]) -> Point<D> {
         let nodes = self.own.iter();
         nodes.fold([0.0; D], |sum, &(node, n)| add_scaled(sum, n, points[node]))
@@ -86,7 +86,7 @@ impl<const D: usize> GapPoint<D> {
 }
 
 impl<const D: usize> Interface<D> {
-    /// Evaluates all gaps again by what is the gap of a point now. Pairs, normals, weights and rows stay.
+    /// Evaluates all gaps again from the present gaps of the points. Pairs, normals, weights and rows stay.
     ///
     /// Errors: those of the points.
     pub fn measure(
@@ -149,8 +149,7 @@ pub(super) mod tests {
         }
     }
 
-    /// A ring of one layer of cells.
-    /// A ring that is as its facets are.
+    /// A ring of one layer of cells, without a true surface behind its facets.
     pub fn ring(center: Point<2>, [inner, outer]: [f64; 2], around: usize) -> Body<2> {
         let ring = Ring {
             center,
@@ -271,7 +270,7 @@ pub(super) mod tests {
         Mesh::new(points.collect(), blocks).unwrap()
     }
 
-    /// Some displacements of the nodes of a body; affine, so that what rows see as a mean is seen as well at one place.
+    /// Some displacements of the nodes of a body; affine, so that the mean in a row is the value at one place.
     fn strained<const D: usize>(body: &Body<D>, phase: f64) -> Vec<Point<D>> {
         let points = body.mesh.points().iter();
         let moved = |x: &Point<D>| {
@@ -310,7 +309,7 @@ pub(super) mod tests {
             rows += 1;
         }
         assert!(rows > 4);
-        // nothing has moved: the same gaps as when they were paired
+        // no motion: the same gaps as when they were paired
         again.measure(|point| Ok(point.gap)).unwrap();
         for (before, node) in interface.nodes.iter().zip(&again.nodes) {
             let same = |a: f64, b: f64| (a - b).abs() < 1e-15 || (a.is_nan() && b.is_nan());

@@ -4,7 +4,7 @@ use crate::contact::search::Hit;
 use crate::geometry::{Point, add_scaled, dot, invert, unit};
 use crate::mesh::{MAX_FACET_NODES, Mesh};
 
-/// What the rotation W of a facet adds to tangential rows: s·t·W n, for points at the distance s along n.
+/// Contribution of the rotation W of a facet to tangential rows: s·t·W n, for points at the distance s along n.
 ///
 /// In the tangents aₖ of the facet and its normal ν, t = Σ cₖaₖ + c_ν ν and n = Σ dₖaₖ + d_ν ν, W is known from the derivatives
 /// u,ₖ of the displacements along it: ν·W aₖ = ν·u,ₖ and in space a₁·W a₂ = (a₁·u,₂ − a₂·u,₁)/2, hence
@@ -16,7 +16,7 @@ pub(super) struct Lever<const D: usize> {
     distance: f64,
     tangents: [Point<D>; D],
     normal: Point<D>,
-    /// Rows are what gives the cₖ and c_ν of a vector.
+    /// Its rows give the cₖ and c_ν of a vector.
     inverse: [Point<D>; D],
     /// dₖ and d_ν.
     along_normal: Point<D>,

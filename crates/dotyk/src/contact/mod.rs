@@ -7,7 +7,7 @@
 //! n is the outward normal of the nonmortar side. λ is a force, the gap a length, the weight an area. Node-to-node
 //! pairing is the same with the integrals replaced by values at nodes. Tangential rows, one in the plane and two in space, have
 //! t instead of n and no gap.
-//! An interface knows the two meshes and what their supports hold, but no stiffness.
+//! An interface knows the two meshes and the directions held by their supports, but no stiffness.
 
 mod corners;
 mod couple;
@@ -62,7 +62,7 @@ pub enum Coupling {
     Tied,
 }
 
-/// One end of an interface: a side of a body, with what the body's supports hold.
+/// One end of an interface: a side of a body, with the directions held by the body's supports.
 #[derive(Clone, Copy)]
 pub struct End<'a, const D: usize> {
     /// The body.
@@ -71,7 +71,7 @@ pub struct End<'a, const D: usize> {
     pub side: &'a str,
     /// Held directions of the body's nodes.
     pub constraints: &'a Constraints<D>,
-    /// These facets of the side alone.
+    /// Only these facets of the side.
     pub part: Option<&'a [Facet]>,
 }
 
@@ -103,12 +103,12 @@ impl<'a, const D: usize> End<'a, D> {
     }
 }
 
-/// A thing of D dimensions as one of E dimensions, where these are the same.
+/// A value of D dimensions as one of E dimensions, if these are the same.
 fn same<T: Any, P: Any>(thing: &T) -> Option<&P> {
     (thing as &dyn Any).downcast_ref()
 }
 
-/// What a nonmortar side is paired with.
+/// The opposite of a nonmortar side.
 #[derive(Clone, Copy)]
 pub enum Against<'a, const D: usize> {
     /// A side of another body.
@@ -138,14 +138,14 @@ pub enum InitialGap<'a> {
     Given(&'a Field),
 }
 
-/// What a node of the nonmortar side is to the interface.
+/// Role of a node of the nonmortar side in the interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// It carries multipliers.
     Multiplier,
     /// Nothing is opposite.
     Alone,
-    /// It is told to take no part.
+    /// It is excluded.
     Excluded,
     /// Its displacement is prescribed (node-to-node: on both sides), or its condition follows from others.
     Fixed,
@@ -156,14 +156,14 @@ pub enum Role {
 pub struct InterfaceNode<const D: usize> {
     /// Node of the nonmortar mesh.
     pub node: usize,
-    /// Nodes of the mortar mesh and their shape functions at the point opposite; empty where there is none.
+    /// Nodes of the mortar mesh and their shape functions at the point opposite; empty without such a point.
     pub opposite: Vec<(usize, f64)>,
-    /// The unit vectors of its rows: the outward normal, after the projection onto what the supports leave free, then the
+    /// The unit vectors of its rows: the outward normal, projected onto the directions that the supports leave free, then the
     /// tangents.
     pub frame: [Point<D>; D],
     /// ∫ψ: an area, times thickness or 2πr.
     pub weight: f64,
-    /// The part of the side that the multiplier stands for: a length (in space an area) without thickness or 2πr.
+    /// The part of the side that belongs to the multiplier: a length (in space an area) without thickness or 2πr.
     pub extent: f64,
     /// The part of its surroundings that faces the other side, ∫ of its hat there over that of the whole.
     pub share: f64,
@@ -171,20 +171,20 @@ pub struct InterfaceNode<const D: usize> {
     pub gap: f64,
     /// Initial gap at the node itself: between the surfaces, or as given. NaN where nothing is opposite.
     pub clearance: f64,
-    /// How both follow from the points of the interface.
+    /// Their weights in the points of the interface.
     pub shares: GapShares,
-    /// What it is to the interface.
+    /// Its role in the interface.
     pub role: Role,
     /// Rows of its multipliers: normal, then tangential.
     pub rows: [Option<usize>; D],
 }
 
-/// A node of whose surroundings a smaller part faces the other side has a force for a sliver of its facets alone: a pressure that is
-/// much larger or smaller than those beside it.
+/// If less than this part of a node's surroundings faces the other side, its force belongs to a sliver of its facets, and its pressure
+/// may be much larger or smaller than those beside it.
 const SLIVER: f64 = 0.1;
 
 impl<const D: usize> InterfaceNode<D> {
-    /// It carries a multiplier for no more than a sliver of its facets.
+    /// It carries a multiplier for only a sliver of its facets.
     pub fn is_sliver(&self) -> bool {
         self.role == Role::Multiplier && self.share < SLIVER
     }
@@ -213,20 +213,20 @@ pub struct Interface<const D: usize> {
     pub nodes: Vec<InterfaceNode<D>>,
     /// The chain closes on itself.
     pub cyclic: bool,
-    /// What the rows couple.
+    /// The coupled components.
     pub coupling: Coupling,
     /// Row of every multiplier on the nonmortar body.
     pub nonmortar: Vec<Row<D>>,
     /// Row of every multiplier on the mortar body (sign included); of an obstacle, on its translation (node 0).
     pub mortar: Vec<Row<D>>,
-    /// Where gaps are taken.
+    /// Points at which gaps are taken.
     pub points: Vec<GapPoint<D>>,
     /// Conditions that others imply.
     pub implied: Vec<Implied<D>>,
-    /// Of the points that were looked at apart from the pieces that are integrated, those that face the other side but lie in
-    /// none of these, and all that face it.
+    /// Check of the integrated pieces by independent points: the number of points that face the other side but lie in no piece, and of
+    /// all that face it.
     pub missed: [usize; 2],
-    /// Nodes whose shear along what supports hold on both sides is borne by none: see `relative.rs`.
+    /// Nodes whose shear along a direction held on both sides is borne by no node: see `relative.rs`.
     pub unborne: usize,
 }
 
@@ -242,7 +242,7 @@ pub struct Implied<const D: usize> {
 }
 
 impl<const D: usize> Interface<D> {
-    /// Takes over the nodes and rows of another part of the side. No condition of that may be implied yet.
+    /// Adds the nodes and rows of another part of the side, none of whose conditions may be implied yet.
     pub fn append(&mut self, part: Self) {
         let before = self.nonmortar.len();
         let points = self.points.len();
@@ -260,7 +260,7 @@ impl<const D: usize> Interface<D> {
         self.cyclic = false;
     }
 
-    /// One without nodes.
+    /// An interface without nodes.
     pub fn empty(coupling: Coupling) -> Self {
         Self {
             nodes: Vec::new(),
@@ -296,7 +296,7 @@ impl<const D: usize> Interface<D> {
         tangential
     }
 
-    /// Takes all initial gaps for zero.
+    /// Sets all initial gaps to zero.
     pub fn close(&mut self) {
         for node in self.nodes.iter_mut().filter(|node| !node.gap.is_nan()) {
             (node.gap, node.clearance) = (0.0, 0.0);
@@ -304,7 +304,7 @@ impl<const D: usize> Interface<D> {
         self.points.iter_mut().for_each(|point| point.gap = 0.0);
     }
 
-    /// Takes initial gaps for zero that are within some rounding.
+    /// Sets initial gaps to zero that are within some rounding.
     pub fn settle(&mut self, rounding: f64) {
         let nodes = self.nodes.iter_mut();
         let gaps = nodes.flat_map(|node| [&mut node.gap, &mut node.clearance]);
@@ -313,8 +313,8 @@ impl<const D: usize> Interface<D> {
         none.for_each(|gap| *gap = 0.0);
     }
 
-    /// Takes the multipliers of rows away, and with a normal row under friction those of the tangential ones: the rows
-    /// become implied ones, those after them move up, and nodes that lose all rows become fixed.
+    /// Removes the multipliers of rows, and with a normal row under friction those of the tangential ones: the rows become
+    /// implied conditions, the rows after them move up, and nodes that lose all rows become fixed.
     pub fn drop_rows(&mut self, rows: &[usize]) {
         let mut kept = vec![true; self.nonmortar.len()];
         rows.iter().for_each(|&row| kept[row] = false);
@@ -347,7 +347,7 @@ impl<const D: usize> Interface<D> {
         }
     }
 
-    /// Keeps these rows; those behind the others move up.
+    /// Keeps the marked rows, which move up.
     fn keep_rows(&mut self, kept: &[bool]) {
         let mut next = 0;
         let place: Vec<Option<usize>> = kept
@@ -485,7 +485,7 @@ mod tests {
         assert_eq!(rows(&tied), left);
         assert_eq!(tied.nodes[1].role, Role::Multiplier);
         assert_eq!((tied.nonmortar.len(), tied.mortar.len()), (5, 5));
-        // the same again takes what has moved up
+        // the same index again removes the row that has moved up
         tied.drop_rows(&[2]);
         assert_eq!(tied.nodes[1].role, Role::Fixed);
         assert_eq!((tied.implied[1].node, tied.implied[1].component), (1, 1));

@@ -1,6 +1,6 @@
 //! Mortar pairing: contact conditions as weighted means along the nonmortar side.
 //!
-//! Two meshes that do not match have no common nodes at which a gap could be asked for. So every node j of the nonmortar side
+//! Two meshes that do not match have no common nodes at which a gap could be measured. So every node j of the nonmortar side
 //! carries a multiplier λⱼ, a force that is spread along the side with a weight ψⱼ(x), and its condition is that
 //!
 //! ```text
@@ -9,21 +9,21 @@
 //!
 //! x runs along the nonmortar side, n is its normal ([`Normals`](crate::contact::normals::Normals)), y the point where the line
 //! x + s·n(x) meets the other side at the distance s, u_s and u_m are the displacements of the two sides. The gap s is measured
-//! between the true surfaces where a side has one. Both bodies feel the force at the two ends of one line along n, so that forces
+//! between the true surfaces where a side has one. The force acts on both bodies at the two ends of one line along n, so that forces
 //! and moments balance whatever the two polygons are.
 //!
 //! **Gaps.** pⱼ is where the force acts: ψⱼ are biorthogonal to the functions of their facet, so that the mean of any of these
 //! with ψⱼ is its value at one place. Of a gap that is one of them the mean and the value at pⱼ are the same, and patches are
 //! exact. Of a gap that bends they are not, because ψⱼ is negative on parts of its facet: a side that touches another one in node
 //! j alone, with s = κx²/2 to both sides of it, would have the mean −κh²/12, an overlap of sides that do not overlap, and a body
-//! that is pressed down would rise by as much; before an edge beyond which the other side is H farther away, the mean is of the
-//! size −H. A value has no such part: where no place overlaps, no row does, and what a facet does not see, between its nodes, is
-//! told by the judge (`model/between.rs`). Displacements stay means: only so do the forces of both bodies balance. Where ψ are
+//! that is pressed down would rise by as much; in front of an edge beyond which the other side is H farther away, the mean is of the
+//! size −H. A value has no such part: where no place overlaps, no row does. Overlaps of a facet between its nodes are found by the
+//! judge (`model/march/between.rs`). Displacements stay means: only so do the forces of both bodies balance. Where ψ are
 //! hats, and nowhere negative, the gap is their mean.
 //!
-//! **Sheets.** What is near and what lies behind an edge are two surfaces, be they two faces of a step, lands beside a groove, or
-//! the next tooth (`sheets.rs`): a node has a row for each of them that its facets face, with ψ on what they face of it, as if
-//! they were two contacts.
+//! **Sheets.** A near surface and one beyond an edge are two surfaces, such as two faces of a step, lands beside a groove, or the
+//! next tooth (`sheets.rs`): a node has a row for each surface that its facets face, with ψ on the parts that face it, as if there
+//! were two contacts.
 //!
 //! **Integration.** Facets are cut where the line from them meets a node, in space an edge of the other side (`pieces.rs`,
 //! `polygons.rs`): on each piece all shape functions are smooth, and a Gauss rule is exact for straight facets.
@@ -32,9 +32,9 @@
 //! (`functions.rs`: in space the hats of its corners, which alone carry multipliers), ∫ψᵢNⱼ = δᵢⱼ∫Nⱼ. They sum to one, so that
 //! a uniform pressure is exact, and on matching meshes of linear facets they give what pairing node by node gives. There are
 //! three exceptions.
-//! * A facet that faces the other side in part: biorthogonal functions of the whole facet would act as forces at nodes that
-//!   face nothing. There the ψ are biorthogonal to linear functions on the box around the covered part of each cell, and act at
-//!   the corners of that. As the cover grows to the whole of a straight facet, both become the same.
+//! * A facet that faces the other side in part: biorthogonal functions of the whole facet would act as forces at nodes without
+//! an opposite side. There the ψ are biorthogonal to linear functions on the box around the covered part of each cell, and act
+//! at the corners of the box. As the cover grows to the whole of a straight facet, both become the same.
 //!   Where the cover has a hole, ψ are the hats of the cell.
 //! * A weight ∫N that is not positive (a quadratic facet that ends at the axis of revolution): ψ are linear between
 //!   neighbouring nodes, middle nodes included.
@@ -43,9 +43,9 @@
 //!   supports hold both sides obliquely, see `relative.rs`; rows of shear are divided by the weight of the normal row, so that
 //!   bounds on tractions are bounds on forces.
 //!
-//! **Tangential rows** compare u_s with what u_m would be at x if the other side were carried on rigidly from y to x, by the
-//! rotation of its facet: forces along t at two points a distance s apart would be a couple. The tangents are those of the node,
-//! carried to n(x) by the smallest rotation.
+//! **Tangential rows** compare u_s with u_m continued rigidly from y to x by the rotation of the other facet, because forces
+//! along t at two points a distance s apart would be a couple. The tangents are those of the node, carried to n(x) by the
+//! smallest rotation.
 //!
 //! Against a rigid obstacle u_m is its translation, and the rows on the other side act on it.
 
@@ -67,19 +67,19 @@ use rayon::prelude::*;
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Nodes of whose support less than this part faces the other side carry no multiplier.
+/// A node carries no multiplier if less than this part of its support faces the other side and a neighbour is covered more.
 const SLIVER: f64 = 1e-3;
 
 /// Degree of the rule over whole facets, for weights of nodes.
 const DEGREE: usize = 9;
 
-/// Directions are the same, but for the turn of a facet, above this cosine.
+/// Directions with a larger cosine are the same, but for the turn of a facet.
 const ALIKE: f64 = 0.9;
 
-/// Degree of the rule whose points are looked at apart from the pieces.
+/// Degree of the rule whose points check the pieces independently.
 const LOOKED_AT: usize = 3;
 
-/// A look from a corner of a piece goes out by this part of the way to its middle: at the corner itself the other side may end.
+/// A line from a corner of a piece starts this part of the way to its middle: at the corner itself the other side may end.
 const INSIDE: f64 = 1e-3;
 
 /// Components of nodes.
@@ -127,7 +127,7 @@ fn paired<const D: usize>(
 /// A place on the nonmortar side: a facet and ξ.
 type Place = (Facet, [f64; 2]);
 
-/// What one sheet of the other side gives to the nodes of the side.
+/// Contributions of one sheet of the other side to the nodes of the side.
 struct Sheet<const D: usize> {
     /// Facets of the other side.
     facets: BTreeSet<Facet>,
@@ -145,7 +145,7 @@ struct Pairing<'a, const D: usize> {
     cells: Vec<Cell>,
     /// Nodes in the order of the interface, with one of their places.
     places: Vec<(usize, Place)>,
-    /// From where nodes look at the other side.
+    /// Places from which nodes are projected to the other side.
     looks: BTreeMap<usize, Place>,
     /// Normal and tangents at the nodes.
     frames: BTreeMap<usize, [Point<D>; D]>,
@@ -205,7 +205,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok((pairing, pieces))
     }
 
-    /// From where the nodes of some pieces look at what these face: from where they are, or from the nearest place in a piece.
+    /// Places from which the nodes of some pieces are projected to the facets opposite: the node itself, or the nearest place in a piece.
     fn looks(&self, pieces: &[Piece]) -> BTreeMap<usize, Place> {
         let mut nearest: BTreeMap<usize, (f64, Place)> = BTreeMap::new();
         for piece in pieces {
@@ -236,8 +236,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
         nearest.into_iter().map(from).collect()
     }
 
-    /// Normal and tangents at the nodes: along an oblique direction that supports hold somewhere, so that a node and those to whom
-    /// its shear goes have the same tangents; where there is none, or other supports do not agree with that, as these ask for.
+    /// Normal and tangents at the nodes. The tangents follow an oblique direction held somewhere, so that a node and those that take
+    /// its shear have the same tangents; without one, or if other supports disagree with it, they follow the supports of the node.
     fn frames(&self) -> BTreeMap<usize, [Point<D>; D]> {
         let normals = self.sides.normals.nodal();
         let normal = |node: usize| normals.get(&node).copied().unwrap_or([0.0; D]);
@@ -260,8 +260,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
         self.sides.mesh()
     }
 
-    /// What a facet faces at ξ, be it a facet of the other side or its continuation, or the obstacle, and where the line from there
-    /// meets it; `None` where it misses that.
+    /// The opposite of a facet at ξ (a facet of the other side or its continuation, or the obstacle), and the point where the line from
+    /// there meets it; `None` where it misses.
     ///
     /// Errors: a gap that is not finite.
     fn seen(
@@ -340,7 +340,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         })
     }
 
-    /// What one sheet of the other side gives to the nodes.
+    /// Contributions of one sheet of the other side to the nodes.
     fn sheet(
         &self,
         pieces: &[Piece],
@@ -386,8 +386,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
         })
     }
 
-    /// Of the points in the cells, looked at one by one, those that face the other side outside of every piece, and all that
-    /// face it. An obstacle is faced by whole facets.
+    /// Number of sample points in the cells that face the other side outside of every piece, and of all that face it. Facets face an
+    /// obstacle as a whole.
     fn missed(&self, pieces: &[Piece]) -> [usize; 2] {
         let mut of_cells = vec![0..0; self.cells.len()];
         let mut first = 0;
@@ -438,7 +438,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         others.peek().is_some() && others.all(|node| dot(along(node), along(first)) > ALIKE)
     }
 
-    /// Nodes that leave a component of their shear to neighbours of whom none has it.
+    /// Number of nodes that leave a component of their shear to neighbours without that component.
     fn unborne(
         &self,
         stations: &[Station<D>],
@@ -460,7 +460,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         borne.iter().filter(lacks).count()
     }
 
-    /// What supports leave of the motion of a node relative to the other side.
+    /// Constraints by supports on the motion of a node relative to the other side.
     fn relative(&self, node: usize, looks: &BTreeMap<usize, Place>) -> Relative<D> {
         let held = self.sides.nonmortar.constraints.at(node);
         let place = looks.get(&node);
@@ -543,7 +543,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 }
             }
         }
-        // a sliver gives way to neighbours that carry more
+        // a sliver leaves its force to neighbours with a larger covered part
         for cell in cells {
             let nodes = &self.cells[cell].nodes;
             for node in nodes {
@@ -556,7 +556,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         kept
     }
 
-    /// What a facet gives to its nodes; its stations are those from `first` on.
+    /// Contributions of a facet to its nodes; its stations are those from `first` on.
     ///
     /// Errors: a gap that is not finite.
     fn shares(
@@ -569,7 +569,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let facet = self.cells[stations[0].cell].facet;
         let (kind, of_facet) = functions(self.mesh(), facet);
         let mut shares: BTreeMap<usize, Share<D>> = BTreeMap::new();
-        // under friction shear and pressure share their functions, and with them their weights, but for shear that goes to neighbours
+        // under friction shear and pressure share functions and weights, except for shear that goes to neighbours
         let apart = |c: &usize| {
             self.coupling == Coupling::Tied || self.shared(&of_facet, *c, (kept, implied))
         };
@@ -583,7 +583,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 true => Basis::of_facet(kind, stations.iter().map(|s| (s.xi, s.area))),
                 false => None,
             };
-            // what has functions of its own: the whole facet, or its cells
+            // the parts with functions of their own: the whole facet, or its cells
             let parts = match whole {
                 Some(basis) => vec![(stations, &of_facet, basis)],
                 None => {
@@ -640,7 +640,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(shares.into_values().collect())
     }
 
-    /// The gap at a place of a facet, to the sheet that some of its stations face: as the nearest of them sees it.
+    /// The gap at a place of a facet to the sheet that some of its stations face, by the pairing of the nearest of these.
     ///
     /// Errors: a gap that is not finite.
     fn gap_at(
@@ -660,7 +660,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(seen.map_or_else(|| nearest.at.clone(), |(at, _)| at))
     }
 
-    /// What the distance between the sides makes of tangential rows at a station; none where there is no such row.
+    /// The lever of tangential rows at a station, due to the distance between the sides; `None` without such rows.
     fn lever(&self, station: &Station<D>) -> Option<Lever<D>> {
         match (self.sides.against, station.hit) {
             (Against::Side(mortar), Some(hit)) if self.coupling != Coupling::Normal => {
@@ -670,7 +670,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         }
     }
 
-    /// All sheets together: a node has an entry for each sheet on which it carries multipliers or is fixed, or one that faces nothing.
+    /// All sheets together: a node has an entry for each sheet on which it carries multipliers or is fixed, or one without an opposite.
     fn assembled(
         &self,
         sheets: Vec<Sheet<D>>,
@@ -681,7 +681,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
             unborne: sheets.iter().map(|sheet| sheet.unborne).sum(),
             ..Interface::empty(self.coupling)
         };
-        // points of the interface that stations have become
+        // indices of the interface points made of stations
         let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); sheets.len()];
         for &(node, place) in &self.places {
             let before = interface.nodes.len();
@@ -712,7 +712,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(interface)
     }
 
-    /// A node on a sheet, whose rows and points go to the interface.
+    /// A node on a sheet; its rows and points are added to the interface.
     ///
     /// Errors: a gap that is not finite.
     fn on_sheet(
@@ -796,8 +796,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(entry)
     }
 
-    /// Whether the motion of the other side along an axis is prescribed where it lies opposite a place, and if `still`
-    /// is asked, to be none at any time. Nothing, which no place looks at, does not move.
+    /// Whether the motion of the other side along an axis is prescribed opposite a place; with `still`, whether it is zero at all
+    /// times. Without a place there is nothing that moves.
     fn opposite_held(&self, place: Option<&Place>, axis: Point<D>, still: bool) -> bool {
         let mortar = match self.sides.against {
             Against::Obstacle(_, Driven::Free) => return false,
@@ -834,7 +834,7 @@ mod tests {
     use crate::geometry::{Field, Surface, add_scaled};
     use crate::mesh::{CellKind, Cuboid};
 
-    /// The bottom of a body over a side of another, nothing held.
+    /// The bottom of a body over a side of another, without supports.
     fn over<const D: usize>(
         own: &Body<D>,
         (other, side): (&Body<D>, &str),
@@ -853,7 +853,7 @@ mod tests {
         over(own, (other, "bottom"), coupling, Analysis::PlaneStrain)
     }
 
-    /// Whatever the reason why a piece is lost: it is asked what faces the other side.
+    /// Lost pieces are noticed whatever the reason: independent points show which parts face the other side.
     #[test]
     fn pieces_that_are_lost_are_missed() {
         let (upper, lower) = (
@@ -1094,7 +1094,7 @@ mod tests {
         let interface = interface.unwrap();
         let fixed = &interface.nodes[1];
         assert_eq!((fixed.role, fixed.rows), (Role::Fixed, [None; 2]));
-        // what faces the other side there, all the same
+        // the weight of the part that faces the other side there
         assert!((fixed.weight - 1.0).abs() < 1e-14 && fixed.gap.abs() < 1e-14);
         let u = |[x, _]: Point<2>| [0.0, x];
         for (place, weight, mean) in [(0, 1.0, 0.5), (2, 1.5, (1.5 + 1.0) / 1.5), (3, 0.5, 3.0)] {
@@ -1173,7 +1173,7 @@ mod tests {
             // forces may move the obstacle against them
             assert_eq!(found(Driven::Free), Ok(vec![free; 4]));
         }
-        // and by a tie, which against what does not move says nothing there
+        // and by a tie, which is redundant there against an opposite that does not move
         for (driven, tied) in [(Driven::Free, BOTH), (Driven::Still, [false, true])] {
             let found = over_a_plane(&two, driven, Coupling::Tied).unwrap();
             assert_eq!(found, [tied, tied, BOTH, BOTH]);
@@ -1265,7 +1265,7 @@ mod tests {
             let first = &interface.nodes[0];
             assert_eq!(first.rows[0].is_some(), carries, "{cover}");
             assert_eq!(first.role == Role::Alone, !carries);
-            // what it leaves goes to its neighbour
+            // its share goes to its neighbour
             let length: f64 = interface.carriers().map(|node| node.weight).sum();
             assert!((length - 1.0 - cover).abs() < 1e-13);
             let expected = if carries { 0.5 * cover } else { 0.5 };
@@ -1414,7 +1414,7 @@ mod tests {
         let nodes = &interface.nodes;
         assert_eq!(nodes[1].rows[0], None);
         let times = |row: Option<usize>| times(&interface.nonmortar[row.unwrap()], &upper, u);
-        // the neighbour's pressure spreads over the facet, the shear of each node stands for itself
+        // the neighbour's pressure spreads over the facet, while the shear of each node is its own
         assert!((times(nodes[0].rows[0]) + 0.5).abs() < 1e-13);
         for (node, x) in nodes.iter().zip([0.0, 1.0, 2.0, 3.0]) {
             assert!((times(node.rows[1]) - 5.0 - x).abs() < 1e-13);

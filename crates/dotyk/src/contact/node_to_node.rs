@@ -1,8 +1,9 @@
 //! Node-to-node pairing: one multiplier for each pair of coincident nodes.
 //!
 //! Row i is nᵢ·(u_s,i − u_m,j(i)), and likewise with the tangents where friction or a tie couples them; the weight of a node is
-//! ∫Nᵢ over those facets of the nonmortar side all of whose nodes have a partner. Where supports hold the same direction on both sides (a plane of symmetry), the normal is
-//! projected onto what they leave free; if nothing is left, the node is fixed and carries no multiplier.
+//! ∫Nᵢ over those facets of the nonmortar side all of whose nodes have a partner. Where supports hold the same direction on both
+//! sides (a plane of symmetry), the normal is projected onto the free directions; if its projection vanishes, the node is fixed and
+//! carries no multiplier.
 //!
 //! Source: Janovský & Procházka (1980) III, section 7 (normals by the bisector rule, axis direction on the axis).
 
@@ -22,8 +23,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Two nodes coincide within this fraction of the local edge.
 const COINCIDENT: f64 = 1e-6;
 
-/// Partner on the mortar side of every node of the nonmortar side (`None` where there is none within 1e-6 of the local
-/// edge), and the distance of the nearest node.
+/// Partner on the mortar side of every node of the nonmortar side (`None` without a node within 1e-6 of the local edge), and
+/// the distance of the nearest node.
 pub fn matching_nodes<const D: usize>(
     nonmortar: End<'_, D>,
     mortar: End<'_, D>,
@@ -177,12 +178,12 @@ pub fn pair_obstacle<const D: usize>(
     )
 }
 
-/// What lies opposite a node.
+/// The opposite of a node.
 struct Opposite<const D: usize> {
     nodes: Vec<(usize, f64)>,
     /// The direction to it.
     facing: Point<D>,
-    /// What supports leave of that.
+    /// The part of it that supports leave free.
     normal: Point<D>,
     gap: f64,
     relative: Relative<D>,
@@ -226,7 +227,7 @@ fn build<const D: usize>(
         if corners.get(&node).is_some_and(|c| !own.contains(&c.owner)) {
             continue;
         }
-        // a node whose partner exists but none of whose facets faces the other side carries nothing
+        // a node with a partner but without a facet that faces the other side carries no multiplier
         let state = match weights.get(&node) {
             Some(&weight) => opposite(node, normal)?.map(|state| (state, weight)),
             None => None,
@@ -457,12 +458,12 @@ mod tests {
         assert_eq!(rows(&[(own, y, true)], &[]), [true, true]);
         assert_eq!(rows(&[], &[(other, y, true)]), [true, true]);
         assert_eq!(rows(&[(own, y, true)], &[(other, y, true)]), [false, false]);
-        // prescribed is enough for the normal
+        // for the normal a prescribed motion is enough
         assert_eq!(
             rows(&[(own, y, false)], &[(other, y, false)]),
             [false, false]
         );
-        // along the tangent friction asks for no motion at all
+        // along the tangent only a direction without any motion drops the row
         assert_eq!(rows(&[(own, x, true)], &[(other, x, true)]), [true, false]);
         assert_eq!(rows(&[(own, x, true)], &[(other, x, false)]), [true, true]);
         assert_eq!(rows(&[(own, x, false)], &[(other, x, true)]), [true, true]);

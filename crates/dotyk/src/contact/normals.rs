@@ -95,7 +95,7 @@ impl<'a, const D: usize> Normals<'a, D> {
     }
 }
 
-/// Nodes on the edges at which some facets of space end; none in the plane.
+/// Nodes on the edges at which some facets of space end; empty in the plane.
 fn rim<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeSet<u32> {
     let mut edges: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
     for &facet in facets.iter().filter(|_| D > 2) {
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn the_normal_at_a_plane_of_symmetry_is_turned_back_as_far_as_the_side_turns_there() {
-        // 5 % more than from the first facet to the second, and no farther than a corner turns: 1.05 · 30°
+        // at most 5 % more than from the first facet to the second, and than a corner turns: 1.05 · 30°
         for (angles, turned) in [
             ([10.0, 20.0], true),
             ([10.4, 20.4], true),

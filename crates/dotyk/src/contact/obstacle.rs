@@ -1,4 +1,4 @@
-//! Rigid obstacles: where their surface lies opposite a point of a side, and what moves them.
+//! Rigid obstacles: the point of their surface opposite a point of a side, and their motion.
 
 use crate::contact::{ContactError, End};
 use crate::fem::show;
@@ -28,7 +28,7 @@ impl<const D: usize> Rigid<D> {
         }
     }
 
-    /// How far a point is out of the obstacle, negative in it; a given gap tells nothing of points that have moved.
+    /// Distance of a point from the obstacle, negative inside; `None` for a given gap, which is unknown for displaced points.
     pub fn distance(&self, point: Point<D>) -> Option<f64> {
         match self {
             Self::Gap(_) => None,
@@ -39,7 +39,7 @@ impl<const D: usize> Rigid<D> {
         }
     }
 
-    /// The way to the nearest point of the obstacle; a given gap tells none.
+    /// The vector to the nearest point of the obstacle; `None` for a given gap.
     pub fn towards(&self, point: Point<D>) -> Option<Point<D>> {
         match self {
             Self::Gap(_) => None,
@@ -60,7 +60,7 @@ impl<const D: usize> Rigid<D> {
         }
     }
 
-    /// Contact normal and gap at a point with this outward normal; `None` where it faces nothing.
+    /// Contact normal and gap at a point with this outward normal; `None` where it does not face the obstacle.
     pub(super) fn opposite(
         &self,
         (point, normal): (Point<D>, Point<D>),
@@ -94,7 +94,7 @@ fn surface_opposite<const D: usize>(
         let n = surface.normal(add_scaled(point, s, normal))?;
         Some(if inside { n.map(|c| -c) } else { n })
     };
-    // what is not in the obstacle has none of it behind, through the body
+    // a point outside the obstacle has no obstacle behind it, through the body
     let out = surface.distance(point) * if inside { -1.0 } else { 1.0 };
     let rounding = SAME * (norm(point) + norm(surface.closest(point)));
     let back = if out < rounding { f64::INFINITY } else { 0.0 };
@@ -105,10 +105,10 @@ fn surface_opposite<const D: usize>(
     Some((normal, nearest))
 }
 
-/// What moves a rigid obstacle.
+/// Motion of a rigid obstacle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Driven {
-    /// Nothing: it stays where it is at all times.
+    /// It stays in place at all times.
     Still,
     /// A prescribed displacement.
     Prescribed,

@@ -1,4 +1,4 @@
-//! What lies opposite a side: the line along its contact normal, the facet that it meets, and the gap between.
+//! The opposite of a side: the line along its contact normal, the facet that it meets, and the gap in between.
 
 use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
@@ -9,14 +9,14 @@ use crate::fem::TrueSurface;
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 
-/// A nonmortar side and what it is paired with, ready to be looked across.
+/// A nonmortar side and its opposite, prepared for the search.
 pub(super) struct Opposite<'a, const D: usize> {
     pub nonmortar: End<'a, D>,
     pub against: Against<'a, D>,
     gap: InitialGap<'a>,
     pub time: f64,
     pub normals: Normals<'a, D>,
-    /// True surfaces of both sides; none of an obstacle.
+    /// True surfaces of both sides; `None` for an obstacle.
     surfaces: [Option<TrueSurface<'a, D>>; 2],
     /// None against an obstacle.
     pub search: Option<Search<'a, D>>,
@@ -63,18 +63,18 @@ impl<'a, const D: usize> Opposite<'a, D> {
         }
     }
 
-    /// Where a line from a facet meets the other side's mesh, if it faces it; see [`Search::opposite`].
+    /// The hit of a line from a facet on the other side's mesh, if it faces it; see [`Search::opposite`].
     pub fn facing(&self, facet: Facet, line: Line<D>) -> Option<Hit> {
         let shallow = self.mesh().facet_length(facet);
         self.search.as_ref()?.opposite(line, shallow)
     }
 
-    /// What of the other side lies opposite ξ of a facet; none where the line misses it, and of an obstacle.
+    /// The place of the other side opposite ξ of a facet; `None` where the line misses it, and for an obstacle.
     pub fn at(&self, facet: Facet, xi: &[f64]) -> Result<Option<Found>, ContactError> {
         self.at_among(facet, xi, |_| true)
     }
 
-    /// The same where that belongs to some facets of the other side: of several that meet there the search knows one.
+    /// The same if the place belongs to some facets of the other side: of several that meet there the search finds one.
     pub fn at_among(
         &self,
         facet: Facet,
@@ -107,7 +107,7 @@ impl<'a, const D: usize> Opposite<'a, D> {
         }))
     }
 
-    /// The gap at a line from a facet to where it meets the other side.
+    /// The gap along a line from a facet to its hit on the other side.
     pub fn gap_at(&self, facet: Facet, line: Line<D>, hit: Hit) -> Result<f64, ContactError> {
         match self.gap {
             InitialGap::Measured => Ok(self.true_distance(facet, line, hit)),
@@ -130,8 +130,8 @@ impl<'a, const D: usize> Opposite<'a, D> {
         end.unwrap_or(polygons) - start
     }
 
-    /// Contact normal and gap at a line from a facet to the obstacle, seen from the true surface where the side has one; none
-    /// where the line faces nothing, and of a side.
+    /// Contact normal and gap along a line from a facet to the obstacle, from the true surface if the side has one; `None` where the
+    /// line misses, and if the opposite is a side.
     ///
     /// Errors: a gap that is not finite.
     pub fn obstacle(
@@ -153,10 +153,10 @@ impl<'a, const D: usize> Opposite<'a, D> {
     }
 }
 
-/// Distances along a line that differ by less than this part of a facet are one: facets meet at their edges but for rounding.
+/// Distances along a line that differ by less than this part of a facet are equal: facets meet at their edges up to rounding.
 const SAME: f64 = 1e-6;
 
-/// How far before the facet that it starts from a line leaves the true surface of its side; zero where none is known.
+/// Distance along a line by which the true surface of its side lies in front of its starting facet; zero without a known surface.
 fn rise<const D: usize>(surface: &Option<TrueSurface<'_, D>>, facet: Facet, line: Line<D>) -> f64 {
     let surface = surface.as_ref().and_then(|surface| surface.at(facet));
     surface.map_or(0.0, |surface| line.along(surface.closest(line.start)))

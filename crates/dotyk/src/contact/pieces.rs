@@ -1,7 +1,7 @@
-//! Where the facets of a plane side are cut, so that on each piece all shape functions of both sides are smooth.
+//! Cuts of the facets of a plane side, so that on each piece all shape functions of both sides are smooth.
 //!
 //! A facet consists of cells between neighbouring nodes; a cell is cut where the line along the contact normal meets an end
-//! node of the other side's facets. What faces nothing is left out.
+//! node of the other side's facets. Parts without an opposite are left out.
 
 use crate::contact::Against;
 use crate::contact::functions::{Cell, Piece};
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 /// Gauss points on each piece: exact for straight sides, beyond rounding for curved ones.
 const POINTS: usize = 6;
 
-/// The pieces of all cells that face something, in their order.
+/// The pieces of all cells with an opposite, in their order.
 pub(super) fn pieces(sides: &Opposite<'_, 2>, cells: &[Cell]) -> Vec<Piece> {
     let rule = gauss(POINTS);
     let each = cells.par_iter().enumerate();
@@ -22,7 +22,7 @@ pub(super) fn pieces(sides: &Opposite<'_, 2>, cells: &[Cell]) -> Vec<Piece> {
         .collect()
 }
 
-/// Cuts a cell where its lines meet nodes of the other side; keeps the parts that face something.
+/// Cuts a cell where its lines meet nodes of the other side; keeps the parts with an opposite.
 fn cut(sides: &Opposite<'_, 2>, rule: &[(f64, f64)], index: usize, cell: &Cell) -> Vec<Piece> {
     let mut cuts: Vec<f64> = cell.places.iter().map(|place| place[0]).collect();
     cuts.extend(places(sides, cell));
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(root([-1.0, 1.0], |_| f64::NAN), None);
     }
 
-    /// The pieces of the side "bottom" of a body against something, with the cells that they belong to.
+    /// The pieces of the side "bottom" of a body against an opposite, with their cells.
     fn all_pieces<'a>(
         body: &'a Body<2>,
         free: &'a Constraints<2>,

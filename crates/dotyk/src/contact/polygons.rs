@@ -1,8 +1,8 @@
-//! Where the facets of a side in space are cut, so that on each piece all shape functions of both sides are smooth.
+//! Cuts of the facets of a side in space, so that on each piece all shape functions of both sides are smooth.
 //!
-//! A facet is cut in a *chart*, two coordinates in which its edges are straight: its reference coordinates, which the map to
-//! space turns into straight lines where the facet is affine; where it is a plane quadrilateral that is not affine, coordinates of its
-//! plane. There the corners y of the other side's facets lie where a line along the contact normal meets them,
+//! A facet is cut in a *chart*, two coordinates in which its edges are straight: its reference coordinates if the facet is affine,
+//! or coordinates of its plane if it is a plane quadrilateral that is not affine. In the chart a corner y of the other side's
+//! facets has the place ξ from which a line along the contact normal meets it,
 //!
 //! ```text
 //!   x(ξ) + s n(ξ) = y,
@@ -11,7 +11,7 @@
 //! and each of these facets cuts out a convex polygon (I. E. Sutherland and G. W. Hodgman, Commun. ACM 17 (1974) 32–42), which is
 //! integrated triangle by triangle. On plane sides all cuts are exact. On curved ones their edges are straight lines of the chart
 //! between exact ends: rows stay in balance, because every point of integration has its own line along n; only the kinks of shape
-//! functions are off by what two neighbouring facets turn.
+//! functions are misplaced, by an amount that depends on the turn between neighbouring facets.
 
 use crate::contact::Against;
 use crate::contact::functions::{Cell, Piece};
@@ -24,7 +24,7 @@ use crate::geometry::{
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rayon::prelude::*;
 
-/// The pieces of all cells that face something, in their order; a cell is a whole facet.
+/// The pieces of all cells with an opposite, in their order; a cell is a whole facet.
 pub(super) fn pieces(sides: &Opposite<'_, 3>, cells: &[Cell]) -> Vec<Piece> {
     let each = cells.par_iter().enumerate();
     each.flat_map_iter(|(index, cell)| match sides.against {
@@ -91,7 +91,7 @@ fn cut(sides: &Opposite<'_, 3>, other: &Mesh<3>, index: usize, cell: &Cell) -> V
     parts.into_iter().filter(seen).filter_map(piece).collect()
 }
 
-/// What of a chart lies in front of a facet of the other side: a convex polygon, counter-clockwise.
+/// The part of a chart in front of a facet of the other side: a convex polygon, counter-clockwise.
 struct Part {
     facet: Facet,
     polygon: Vec<[f64; 2]>,
@@ -108,7 +108,7 @@ struct Chart<'a> {
     mesh: &'a Mesh<3>,
     facet: Facet,
     kind: CellKind,
-    /// In the coordinates of the facet's plane, if not in those of the reference facet.
+    /// The facet's plane, if its coordinates replace those of the reference facet.
     plane: Option<Plane>,
     /// Corners in these coordinates, counter-clockwise.
     polygon: Vec<[f64; 2]>,
@@ -135,7 +135,7 @@ impl Plane {
     }
 }
 
-/// What a facet is like.
+/// The shape of a facet.
 #[derive(Clone, Copy, PartialEq)]
 enum Form {
     /// An affine image of its reference facet.
@@ -145,7 +145,7 @@ enum Form {
     Curved,
 }
 
-/// What a facet is like, with its middle and size.
+/// The shape of a facet, with its middle and size.
 fn form(mesh: &Mesh<3>, facet: Facet) -> (Form, Plane, f64) {
     let kind = mesh.facet_kind(facet);
     let centre = kind.domain().centre();
@@ -218,7 +218,7 @@ impl<'a> Chart<'a> {
         }
     }
 
-    /// Reference coordinates of a place of the chart; `None` where they are not found.
+    /// Reference coordinates of a place of the chart; `None` if they are not found.
     fn xi(&self, place: [f64; 2]) -> Option<[f64; 2]> {
         let Some(plane) = &self.plane else {
             return Some(place);
@@ -231,7 +231,7 @@ impl<'a> Chart<'a> {
         meet(self.mesh, self.facet, line).map(|hit| hit.xi)
     }
 
-    /// The place from which a point is seen along the normals.
+    /// The place whose normal line passes through a point.
     fn seen_from(&self, y: Point<3>) -> Option<[f64; 2]> {
         if let Some(plane) = &self.plane {
             let slope = dot(self.normals[0], plane.normal);
@@ -269,10 +269,10 @@ impl<'a> Chart<'a> {
         None
     }
 
-    /// What of the facet a polygon of space covers, as a polygon of the chart; empty where nothing, or where that looks the
-    /// same way as the facet.
+    /// The part of the facet that a polygon of space covers, as a polygon of the chart; empty if there is none, or if the polygon has
+    /// the same orientation as the facet.
     fn cut_by(&self, outline: &[Point<3>]) -> Vec<[f64; 2]> {
-        // far from a facet that bends, lines along its normals meet anything
+        // far from a curved facet, lines along its normals meet unrelated points
         let near = match self.shape == Form::Affine && self.parallel || self.plane.is_some() {
             true => outline.to_vec(),
             false => self.prism.clip(outline),
@@ -289,8 +289,8 @@ impl<'a> Chart<'a> {
         intersection(&self.polygon, &places)
     }
 
-    /// The parts without what other parts hide of them: where a near and a far facet lie in front of the same place, it faces the
-    /// near one. Parts of one surface do not overlap but for rounding and what its facets turn.
+    /// The visible parts: where a near and a far facet lie in front of the same place, it faces the near one. Parts of one surface
+    /// overlap only by rounding and by the turn between its facets.
     fn visible(&self, sides: &Opposite<'_, 3>, other: &Mesh<3>, parts: Vec<Part>) -> Vec<Part> {
         let boxes: Vec<_> = parts.iter().map(|p| bounding_box(&p.polygon)).collect();
         let mut order: Vec<usize> = (0..parts.len()).collect();
@@ -329,7 +329,7 @@ impl<'a> Chart<'a> {
         both.flat_map(without_hidden).collect()
     }
 
-    /// Whether a place of the chart faces this facet of the other side, and nothing nearer.
+    /// Whether a place of the chart faces this facet of the other side, without a nearer one.
     fn sees(&self, sides: &Opposite<'_, 3>, other: &Mesh<3>, facet: Facet, at: [f64; 2]) -> bool {
         let Some(xi) = self.xi(at) else {
             return false;
@@ -345,7 +345,7 @@ impl<'a> Chart<'a> {
         found.facet == facet || meet(other, facet, line).is_some_and(|hit| same(hit.distance))
     }
 
-    /// The degree that integrates on a piece in front of a facet exactly, or to rounding where that can not be.
+    /// The degree that integrates exactly on a piece in front of a facet, or to rounding where exactness is impossible.
     fn degree(&self, other: &Mesh<3>, facet: Facet) -> usize {
         let kind = other.facet_kind(facet);
         let base = functions_degree(self.kind) + degree(self.kind).max(degree(kind));
@@ -366,7 +366,7 @@ impl<'a> Chart<'a> {
                     }
                 };
                 let taper = f64::max(taper(a), taper(b));
-                // shape functions of a tapered facet are power series in its taper: digits that are wanted over digits a term
+                // shape functions of a tapered facet are power series in its taper: required digits over digits per term
                 let terms = (-ROUNDING.log10() / -taper.min(0.5).log10()).ceil();
                 base + (terms as usize).min(MOST)
             }
@@ -399,13 +399,13 @@ impl<'a> Chart<'a> {
     }
 }
 
-/// Most steps to where a point is seen from.
+/// Most steps of the search for the place of a point.
 const STEPS: usize = 20;
 
 /// Distances along a line that differ by less than this part of a facet are of one sheet.
 const SHEET: f64 = 0.01;
 
-/// Degrees more for what is curved, and at most for what is tapered.
+/// Additional degrees for curved facets, and the most for tapered ones.
 const CURVED: usize = 2;
 const MOST: usize = 14;
 
@@ -470,7 +470,7 @@ fn area(polygon: &[[f64; 2]]) -> f64 {
     signed_area(polygon).abs()
 }
 
-/// Takes corners that differ by rounding for one: the direction of the edge between them would be anything.
+/// Merges corners that differ by rounding: the direction of the edge between them would be arbitrary.
 fn merge(polygon: &mut Vec<[f64; 2]>) {
     let far = polygon
         .iter()
@@ -483,7 +483,7 @@ fn merge(polygon: &mut Vec<[f64; 2]>) {
     }
 }
 
-/// Parts of which less than this lies in front of each other lie side by side.
+/// Parts that overlap by less than this lie side by side.
 const OVERLAPS: f64 = 1e-6;
 
 /// The edges of a polygon.
@@ -500,12 +500,12 @@ fn beside(polygon: &[[f64; 2]], [a, b]: [[f64; 2]; 2], left: bool) -> Vec<[f64; 
     })
 }
 
-/// What two polygons have in common; the second one convex, counter-clockwise.
+/// The intersection of two polygons; the second one convex, counter-clockwise.
 fn intersection(polygon: &[[f64; 2]], other: &[[f64; 2]]) -> Vec<[f64; 2]> {
     edges(other).fold(polygon.to_vec(), |left, edge| beside(&left, edge, true))
 }
 
-/// What of a convex polygon another one leaves, in convex parts.
+/// A convex polygon minus another one, in convex parts.
 fn difference(polygon: &[[f64; 2]], other: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
     let mut rest = polygon.to_vec();
     let mut outside = Vec::new();

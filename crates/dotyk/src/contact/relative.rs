@@ -1,20 +1,20 @@
-//! What supports leave of the relative motion of two opposite points, and in which directions their forces are counted.
+//! Constraints by supports on the relative motion of two opposite points, and the directions of their forces.
 //!
 //! **Supports oblique to the contact.** Where both sides are held along h, the relative motion δ has δ·h = 0. With the normal n,
-//! h = cos β · t + sin β · n and a tangent t, what is left of it beside the other tangent is one motion along
+//! h = cos β · t + sin β · n and a tangent t, the only free motion besides the other tangent is along
 //! n' = cos β · n − sin β · t, and
 //!
 //! ```text
 //!   gap = cos β · δ·n',     slip along t = −sin β · δ·n' = −tan β · gap
 //! ```
 //!
-//! Two conditions on one motion: a closed node does not slip along t, and the work of the forces λₙ, λₜ tells
-//! cos β λₙ − sin β λₜ only, so that equilibrium does not divide them; the rest of both, along h, goes into the supports. The
-//! traction of the sides does: it is continuous, and next to such a node shear and pressure are known. So the node keeps its
-//! normal condition, its pressure is its own, and its shear is that of its neighbours: these have the functions ψ of the component
-//! t on its facets (mortar.rs). Where h lies in the plane of the contact (β = 0) there is no such motion, the side ends at a plane
-//! of symmetry, and shear along h vanishes there; a node has none. (Normals that
-//! are off that plane because facets are straight have been turned back into it, normals.rs.)
+//! These are two conditions on one motion: a closed node does not slip along t, and the work of the forces λₙ, λₜ determines
+//! only cos β λₙ − sin β λₜ. Equilibrium does not separate them; the rest of both, along h, goes into the supports. The
+//! tractions of the sides do separate them: they are continuous, and next to such a node shear and pressure are known. So the
+//! node keeps its normal condition and its own pressure, and its shear is that of its neighbours, which have the functions ψ of
+//! the component t on its facets (mortar.rs). Where h lies in the plane of the contact (β = 0) there is no such motion: the side
+//! ends at a plane of symmetry, shear along h vanishes, and the node has no such row. (Normals that are off that plane because
+//! facets are straight have been turned back into it, normals.rs.)
 
 use crate::contact::Coupling;
 use crate::fem::Held;
@@ -26,8 +26,8 @@ const ROUNDING: f64 = 1e-6;
 /// The unit vectors in which the forces of a contact are counted: its normal, then the tangents, in the plane the normal
 /// turned by +90°.
 ///
-/// In space any two would do, because the laws know no direction of the tangent plane; but where supports hold a direction of
-/// that plane (`held`), it is one of them, so that a row is either held or free. Else the first tangent is the axis that is
+/// In space any two tangents are possible, because the laws are isotropic in the tangent plane; but if supports hold a direction
+/// of that plane (`held`), it is one of them, so that a row is either held or free. Else the first tangent is the axis that is
 /// farthest from the normal, less its normal part; the three vectors are right-handed.
 pub fn frame<const D: usize>(normal: Point<D>, held: &[Point<D>]) -> [Point<D>; D] {
     let mut frame = [normal; D];
@@ -38,7 +38,7 @@ pub fn frame<const D: usize>(normal: Point<D>, held: &[Point<D>]) -> [Point<D>; 
     let farthest = (0..D).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
     let axis = std::array::from_fn(|d| f64::from(u8::from(Some(d) == farthest)));
     let across = |direction: Point<D>| add_scaled(direction, -dot(direction, normal), normal);
-    // supports that hold a direction along the normal hold the normal: their rest is no direction
+    // a held direction along the normal has no direction in the tangent plane
     let held = held.iter().map(|&direction| across(direction));
     let along = held.max_by(|a, b| norm(*a).total_cmp(&norm(*b)));
     let first = along.filter(|rest| norm(*rest) > ROUNDING).and_then(unit);
@@ -74,16 +74,16 @@ pub(super) fn carried<const D: usize>(frame: [Point<D>; D], normal: Point<D>) ->
     carried
 }
 
-/// What supports leave of the relative motion of two opposite points; orthonormal directions.
+/// Constraints by supports on the relative motion of two opposite points; orthonormal directions.
 pub(super) struct Relative<const D: usize> {
-    /// Directions in which it is prescribed.
+    /// Directions in which the motion is prescribed.
     pub prescribed: Vec<Point<D>>,
-    /// Those of them in which there is none at any time: nothing can slip.
+    /// Those of them without motion at all times: no slip is possible.
     pub still: Vec<Point<D>>,
 }
 
 impl<const D: usize> Relative<D> {
-    /// The normal without what is prescribed; unchanged where nothing is left.
+    /// The normal without its prescribed part; unchanged if nothing remains.
     pub fn free_normal(&self, normal: Point<D>) -> Point<D> {
         free_part(normal, self.prescribed.iter().copied()).unwrap_or(normal)
     }
@@ -145,7 +145,7 @@ pub(super) fn shared<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> Vec<Poin
     }
 }
 
-/// Unit vector along the part of a normal that is orthogonal to some orthonormal directions; `None` if nothing is left.
+/// Unit vector along the part of a normal that is orthogonal to some orthonormal directions; `None` if that vanishes.
 pub(super) fn free_part<const D: usize>(
     normal: Point<D>,
     directions: impl IntoIterator<Item = Point<D>>,
@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(relative(&[x, y]).free_normal([0.6, 0.8]), [0.6, 0.8]);
     }
 
-    /// What is decided in a frame of the plane, normal and tangent along the axes.
+    /// The components without multipliers in a frame of the plane, normal and tangent along the axes.
     fn decided(prescribed: &[Point<2>], still: &[Point<2>], coupling: Coupling) -> [bool; 2] {
         let relative = Relative {
             prescribed: prescribed.to_vec(),
@@ -264,7 +264,7 @@ mod tests {
             decided(prescribed, still, Coupling::Frictional)
         };
         assert_eq!(frictional(&[], &[]), [false, false]);
-        // prescribed along the tangent: it slips as it is told, and rubs; what stays still does not
+        // prescribed along the tangent: it slips as prescribed, with friction; without motion there is no friction
         assert_eq!(frictional(&[y], &[]), [false, false]);
         assert_eq!(frictional(&[y], &[y]), [false, true]);
         assert_eq!(frictional(&[x], &[]), [true, true]);
@@ -317,7 +317,7 @@ mod tests {
         assert_eq!(relative.oblique(normal), Some(z));
         assert_eq!(relative.oblique([0.0, 1.0, 0.0]), None);
         assert_eq!(relative.oblique(z), None);
-        // it has a part along the first tangent, and leaves the other to other supports
+        // it has a part along the first tangent; the other tangent is left to other supports
         let frame = frame(normal, &[z]);
         assert_eq!(tangents_along(&frame, z), [false, true, false]);
         assert!(separates(&frame, &[x, z]));
@@ -333,7 +333,7 @@ mod tests {
         assert_eq!(shared(&[x], &[y]), Vec::<Point<2>>::new());
         assert_eq!(shared(&[x], &[diagonal]), Vec::<Point<2>>::new());
         assert_eq!(shared(&[], &[x, y]), Vec::<Point<2>>::new());
-        // whoever holds all directions holds those of the other
+        // a set that holds all directions contains those of the other
         assert_eq!(shared(&[diagonal], &[x, y]), [diagonal]);
         assert_eq!(shared(&[x, y], &[diagonal]), [diagonal]);
         assert_eq!(shared(&[x, y], &[diagonal, across]), [x, y]);

@@ -1,4 +1,4 @@
-//! Points of a nonmortar side between its nodes, and what lies opposite: what the judge looks at, whatever the rows are.
+//! Points of a nonmortar side between its nodes, and their opposites: samples for the judge, independent of the rows.
 //!
 //! ```text
 //!   gap(x) = g₀(x) + n·(u_m(y) − u_s(x)),     y on the line x + s·n(x)
@@ -18,24 +18,24 @@ use rayon::prelude::*;
 /// Points on each line: the middles of as many equal parts.
 const POINTS: usize = 6;
 
-/// Degree of the rule whose points are looked at on a surface, its corners besides: ten on a triangle, thirteen on a square. What
-/// lies opposite may have an edge near one of this facet, which its corners alone tell.
+/// Degree of the rule whose points are sampled on a surface, plus its corners: ten points on a triangle, thirteen on a square. The
+/// opposite side may have an edge near one of this facet, which only its corners show.
 const DEGREE: usize = 5;
 
-/// One point that faces something.
+/// One point with an opposite.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample<const D: usize> {
     /// Undeformed position.
     pub point: Point<D>,
     /// Reference coordinates on its facet, missing ones zero.
     pub xi: [f64; 2],
-    /// What it faces.
+    /// Its opposite.
     pub at: GapPoint<D>,
-    /// Depth that a unit pressure dents between the nodes, a length³/force.
+    /// Depth of the dent between the nodes under a unit pressure, a length³/force.
     pub dent: f64,
 }
 
-/// The points of every facet of the nonmortar side that face something, facet by facet.
+/// The points of every facet of the nonmortar side with an opposite, facet by facet.
 ///
 /// Errors: unknown or empty sides, nodes off their true surface, a gap that is not finite.
 pub fn samples<const D: usize>(
@@ -54,7 +54,7 @@ pub fn samples<const D: usize>(
         let kind = sides.mesh().facet_kind(facet);
         let places = places(kind);
         let mut found = at(facet, &places)?;
-        // of a facet that faces the other side in part they may miss most
+        // on a facet that faces the other side in part these points may miss most
         if D == 3 && !found.is_empty() && found.len() < places.len() {
             found.extend(at(facet, &lattice(kind))?);
         }
@@ -63,7 +63,7 @@ pub fn samples<const D: usize>(
     nonmortar.facets()?.par_iter().map(on_facet).collect()
 }
 
-/// Where on a facet of some kind to look.
+/// The sample points on a facet of some kind.
 fn places(kind: CellKind) -> Vec<[f64; 2]> {
     match kind.domain() {
         Domain::Line => {
@@ -261,7 +261,7 @@ mod tests {
             assert_eq!(found.iter().flatten().count(), 108);
             found.iter().flatten().map(|sample| sample.at.gap).collect()
         };
-        // of the polygons alone the gap varies by what they miss
+        // with the polygons alone the gap varies by their distance from the curves
         assert!(
             gaps(&inner, &outer)
                 .iter()
@@ -270,7 +270,7 @@ mod tests {
         inner
             .surfaces
             .insert("outer".to_string(), Some(circle(1.0)));
-        // the polygon outside is nearer than the circle that it stands for, by 2 % at most
+        // the outer polygon is nearer than its circle, by 2 % at most
         let mixed = gaps(&inner, &outer);
         assert!(mixed.iter().all(|gap| *gap < 0.1 + 1e-12 && *gap > 0.07));
         outer

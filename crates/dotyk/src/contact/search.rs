@@ -1,10 +1,10 @@
-//! What lies opposite a point: intersections of lines with the facets of a side, found through a tree of their boxes.
+//! The opposite of a point: intersections of lines with the facets of a side, found through a tree of their boxes.
 //!
 //! A point x with outward normal n faces the facet that the line x + s·n meets nearest to x (smallest |s|), if the
-//! outward normal there is opposed to n, and the way there passes through no boundary of the two bodies. Before x (s > 0) that way
-//! lies outside of both. Behind x (s < 0) the bodies overlap, and it lies inside of both: x itself is inside the other body, so
-//! that what stands on the far side of that is no partner, nor is a surface behind the far side of x's own body. What the bodies
-//! have in common is pressed out of each other the short way: a surface that lies behind the length of it is no partner either.
+//! outward normal there is opposed to n, and the segment between them crosses no boundary of the two bodies. In front of x (s > 0)
+//! the segment lies outside of both. Behind x (s < 0) the bodies overlap, and it lies inside of both: x itself is inside the other
+//! body, so that a surface on the far side of that body is not a partner, nor is one behind the far side of x's own body. An overlap
+//! is resolved in its short direction: a surface at the far end of a long overlap is not a partner either.
 //! Cost: O(log n) for each line.
 
 use crate::contact::relative::frame;
@@ -19,10 +19,10 @@ use std::sync::OnceLock;
 /// Facets count as opposed when the cosine between the normals is below this.
 const OPPOSED: f64 = -0.1;
 
-/// A line may miss the end of a facet by this much in its reference coordinate: rounding, not more.
+/// A line may miss the end of a facet by this much in its reference coordinate: only rounding.
 const END: f64 = 1e-9;
 
-/// All of a line.
+/// The whole line.
 const EVERYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// Where a line meets a facet.
@@ -58,7 +58,7 @@ impl<const D: usize> Line<D> {
     }
 }
 
-/// Some facets of a mesh, ready to be met by lines.
+/// Some facets of a mesh, prepared for intersection with lines.
 struct Screen<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     tree: RTree<Boxed<D>>,
@@ -113,7 +113,7 @@ fn meets_box<const D: usize>(
     from <= to
 }
 
-/// Whether a box may meet some line between two lines of the plane: not when it lies beyond both on the same hand.
+/// Whether a box may meet some line between two lines of the plane: not if it lies beyond both on the same side.
 fn meets_between(lines: [Line<2>; 2], low: Point<2>, high: Point<2>) -> bool {
     let corners = [low, [high[0], low[1]], [low[0], high[1]], high];
     let hand = |line: Line<2>| {
@@ -153,8 +153,8 @@ impl<'a, const D: usize> Screen<'a, D> {
         facets
     }
 
-    /// Where a line meets them between two distances with a cosine to their outward normals that satisfies a condition, in
-    /// ascending order of facets, with these cosines.
+    /// Hits of a line between two distances whose cosine to the outward normal satisfies a condition, in ascending order of facets,
+    /// with these cosines.
     fn meets(
         &self,
         line: Line<D>,
@@ -174,8 +174,8 @@ impl<'a, const D: usize> Screen<'a, D> {
     }
 }
 
-/// How far a curved facet of space may lie outside the box of its nodes: control points of its edges lie as far beyond the
-/// middle nodes as these lie off the chords, that of its middle at most twice as far.
+/// How far a curved facet of space may lie outside the box of its nodes: control points of its edges lie beyond the middle nodes
+/// by the distance of these from the chords, that of its middle at most by twice that distance.
 fn bulge<const D: usize>(mesh: &Mesh<D>, facet: Facet, points: &[Point<D>]) -> f64 {
     let kind = mesh.facet_kind(facet);
     let linear = kind.domain().linear();
@@ -252,16 +252,16 @@ fn meet_surface<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> 
 /// Most steps to where a line meets a facet.
 const STEPS: usize = 20;
 
-/// The root of αξ² + βξ + γ that is smaller in magnitude; `None` where there is none.
+/// The root of αξ² + βξ + γ that is smaller in magnitude; `None` without a real root.
 fn quadratic_root(alpha: f64, beta: f64, gamma: f64) -> Option<f64> {
-    // not a number where no root is real
+    // NaN where no root is real
     let root = (beta * beta - 4.0 * alpha * gamma).sqrt();
     let q = -0.5 * (beta + root.copysign(beta));
     let root = if gamma == 0.0 { 0.0 } else { gamma / q };
     root.is_finite().then_some(root)
 }
 
-/// The whole boundary of a body, made when it is asked for: only where sides lie apart.
+/// The whole boundary of a body, made on first use: only where sides lie apart.
 struct Boundary<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     screen: OnceLock<Screen<'a, D>>,
@@ -280,8 +280,8 @@ impl<'a, const D: usize> Boundary<'a, D> {
         self.crossing(line, way, rounding).is_some()
     }
 
-    /// The distance between two at which a line passes through it first. Where two facets back to back lie within `rounding` it
-    /// passes through none: along the seam between two parts of one body, or by an edge that it touches.
+    /// The first distance between two at which a line crosses it. Two facets back to back within `rounding` do not count as a
+    /// crossing: at the seam between two parts of one body, or at an edge that the line touches.
     fn crossing(&self, line: Line<D>, way: [f64; 2], rounding: f64) -> Option<f64> {
         let screen = self
             .screen
@@ -299,13 +299,13 @@ impl<'a, const D: usize> Boundary<'a, D> {
     }
 }
 
-/// A line along a facet, with a cosine up to this, does not pass through it.
+/// A line nearly parallel to a facet, with a cosine up to this, does not cross it.
 const ALONG: f64 = 1e-6;
 
-/// Boundaries that lie within this part of a facet from the ends of a way do not stand in it.
+/// Boundaries within this part of a facet from the ends of a segment do not count.
 const NEAR: f64 = 1e-6;
 
-/// Bodies that have more in common along a line than this many times what they have across it overlap across, not along it.
+/// An overlap that is longer along a line than this multiple of its width is resolved across the line, not along it.
 const LONGEST: f64 = 2.0;
 
 /// The search from points of one body for a side of another.
@@ -325,8 +325,8 @@ impl<'a, const D: usize> Search<'a, D> {
         }
     }
 
-    /// What lies opposite a point with this outward normal; overlaps up to `shallow`, the length of its facet, are believed
-    /// without asking whether the line is still inside the own body: beside an edge it may have left it.
+    /// The opposite of a point with this outward normal. For overlaps up to `shallow`, the length of its facet, the line may have left
+    /// its own body: beside an edge it does.
     pub fn opposite(&self, line: Line<D>, shallow: f64) -> Option<Hit> {
         self.opposite_among(line, shallow, |_| true)
     }
@@ -348,7 +348,7 @@ impl<'a, const D: usize> Search<'a, D> {
             .find(|hit| self.clear(line, hit.distance, shallow))
     }
 
-    /// Whether the way along a line to a distance passes through no body, nor along what two have in common.
+    /// Whether the segment along a line to a distance crosses no boundary, and does not run along a long overlap.
     fn clear(&self, line: Line<D>, distance: f64, shallow: f64) -> bool {
         let rounding = NEAR * shallow;
         let way = [distance.min(0.0) + rounding, distance.max(0.0) - rounding];
@@ -360,8 +360,8 @@ impl<'a, const D: usize> Search<'a, D> {
                 && (distance > 0.0 || self.is_short(line, -distance, rounding))
     }
 
-    /// Whether what the bodies have in common is not more than [`LONGEST`] times as deep behind the start of a line as it is wide
-    /// half way there. How wide it is beyond that depth is not asked.
+    /// Whether the overlap of the bodies behind the start of a line is at most [`LONGEST`] times as deep as it is wide half way there.
+    /// The search for its width ends at that depth.
     fn is_short(&self, line: Line<D>, depth: f64, rounding: f64) -> bool {
         let middle = add_scaled(line.start, -0.5 * depth, line.direction);
         let to_the_end = |direction: Point<D>| {
@@ -390,7 +390,7 @@ impl Search<'_, 2> {
     }
 }
 
-/// What lines along the normals of a facet of space sweep, and a little more.
+/// The volume swept by lines along the normals of a facet of space, slightly enlarged.
 #[derive(Debug, Clone)]
 pub(crate) struct Prism {
     middle: Point<3>,
@@ -398,7 +398,7 @@ pub(crate) struct Prism {
     axes: [Point<3>; 3],
     /// How far the facet extends along the first two.
     reach: [f64; 2],
-    /// By how much the lines part from the mean normal, per length.
+    /// Divergence of the lines from the mean normal, per length.
     spread: f64,
 }
 
@@ -443,8 +443,8 @@ impl Prism {
             .all(|((at, radius), reach)| at <= reach + radius + parting)
     }
 
-    /// The part of a polygon that is not far from it. What lies deep is near where the lines have parted: a large polygon is cut
-    /// until its depth no longer falls.
+    /// The part of a polygon near it. Its width grows with depth, because the lines diverge: a large polygon is cut until its depth no
+    /// longer decreases.
     pub fn clip(&self, polygon: &[Point<3>]) -> Vec<Point<3>> {
         let from = |y: Point<3>, axis: Point<3>| dot(axis, sub(y, self.middle));
         let depth_of = |polygon: &[Point<3>]| {
@@ -471,7 +471,7 @@ impl Prism {
 }
 
 impl Search<'_, 3> {
-    /// Facets of the other side that may reach into what lines along the normals of a facet sweep.
+    /// Facets of the other side that may reach into the volume swept by the normals of a facet.
     pub fn within(&self, prism: &Prism) -> Vec<Facet> {
         self.side.select(|low, high| prism.meets(low, high))
     }
@@ -564,7 +564,7 @@ mod tests {
             start: [0.0, 0.97],
             direction: [-1.0, 0.0],
         };
-        // its right end lies behind the left one of the lower plate and inside that plate, as far from it as is asked for
+        // its right end lies behind the left one of the lower plate and inside that plate, at the given distance
         for squeeze in [0.25, 0.5] {
             let upper = sunk.clone().map_points(|[x, y]| [squeeze * x + 1.0, y]);
             let upper = upper.unwrap();
@@ -596,10 +596,10 @@ mod tests {
         let other = together(&upper, &far);
         assert!(near(met(&lower, &other, 1.1), 0.1));
         assert_eq!(met(&lower, &other, 3.0), None);
-        // a part of the own body stands between
+        // a part of the own body is in between
         let own = together(&lower, &upper);
         assert_eq!(met(&own, &far, 3.0), None);
-        // two parts of the other body that touch are one
+        // two touching parts of the other body count as one
         let (near_part, far_part) = (plate(0.5, 0.8), plate(0.8, 2.0));
         let other = together(&near_part, &far_part);
         assert!(near(met(&lower, &other, 0.5), -0.5));
@@ -688,7 +688,7 @@ mod tests {
         ];
         assert!(!meets_between(fan, [1.0, 0.0], [2.0, 1.0]));
         assert!(meets_between(fan, [1.0, 0.0], [2.0, 2.0]));
-        // whoever stands on the left of one and on the right of the other is between
+        // a box on the left of one line and on the right of the other is between them
         assert!(meets_between(fan, [0.5, 3.0], [0.6, 4.0]));
     }
 
@@ -855,7 +855,7 @@ mod tests {
                 (inside && dot(normal, direction) < OPPOSED).then_some(hit)
             });
             let nearest = facing.min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()));
-            // so that every overlap is believed
+            // so that every overlap is accepted
             let found = search.opposite(line, f64::INFINITY);
             assert_eq!(found, nearest);
             met += usize::from(found.is_some());

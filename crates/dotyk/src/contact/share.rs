@@ -1,5 +1,5 @@
-//! What the stations of a facet give to the rows of its nodes: sums over points of integration, and the places where gaps are
-//! taken.
+//! Contributions of the stations of a facet to the rows of its nodes: sums over points of integration, and the places where gaps
+//! are taken.
 
 use crate::contact::lever::Lever;
 use crate::contact::search::Hit;
@@ -17,7 +17,7 @@ pub(super) struct Station<const D: usize> {
     pub area: f64,
     /// Without thickness or 2πr.
     pub extent: f64,
-    /// What it faces.
+    /// Its opposite.
     pub at: GapPoint<D>,
     /// Where the line from it meets the other side.
     pub hit: Option<Hit>,
@@ -31,7 +31,7 @@ pub(super) enum GapAt<const D: usize> {
     Place(GapPoint<D>),
 }
 
-/// What one facet gives to the sums of one of its nodes.
+/// Contribution of one facet to the sums of one of its nodes.
 pub(super) struct Share<const D: usize> {
     pub node: usize,
     pub extent: f64,
@@ -48,7 +48,7 @@ pub(super) struct Share<const D: usize> {
 
 /// Sums over the stations of one node.
 pub(super) struct Sums<const D: usize> {
-    /// ∫ of the node's hat, and the weights of that at the stations.
+    /// ∫ of the node's hat, and its weights at the stations.
     pub own: f64,
     pub hats: Vec<(usize, f64)>,
     pub extent: f64,

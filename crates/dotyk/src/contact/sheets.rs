@@ -1,9 +1,9 @@
-//! The sheets of the other side that a side faces: what is near and what lies behind it, each by itself.
+//! The sheets of the other side that a side faces: near and far surfaces, each separately.
 //!
-//! A facet in front of an edge faces the near surface with one part and what lies farther with another. One condition on a mean
-//! over both would be a condition on neither: biorthogonal ψ are negative on parts of a facet, so that a far surface counts as an
-//! overlap of the near one. Parts of facets belong to one sheet where they lie side by side, and what they face does, too, without
-//! a corner; on each sheet a node has a row of its own, as if the sheets were two contacts.
+//! A facet in front of an edge faces the near surface with one part and a farther one with another. One condition on a mean over
+//! both would be a condition on neither: biorthogonal ψ are negative on parts of a facet, so that a far surface counts as an overlap
+//! of the near one. Parts of facets belong to one sheet if they are adjacent, and their opposites are adjacent, too, without a
+//! corner; on each sheet a node has a row of its own, as if the sheets were two contacts.
 
 use crate::contact::corners::surfaces;
 use crate::contact::functions::{Cell, Piece};
@@ -12,8 +12,8 @@ use crate::geometry::Groups;
 use crate::mesh::Facet;
 use std::collections::BTreeMap;
 
-/// Divides the pieces of a side by the sheets that they face, each in the order of the side. Corners part no sheets where both
-/// of their faces are held by one condition (`whole`).
+/// Divides the pieces of a side by the sheets that they face, each in the order of the side. With `whole` corners do not separate
+/// sheets, because one condition holds both of their faces.
 ///
 /// Errors: nodes off their true surface.
 pub(super) fn sheets<const D: usize>(

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// half of the mean; that of a quadratic facet's node on the axis is zero up to rounding and the curvature of the facet.
 pub(super) const POSITIVE: f64 = 0.1;
 
-/// What a node has of some facets.
+/// Weight of a node in some facets.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NodalWeight {
     /// ∫N, times thickness or 2πr.
@@ -139,7 +139,7 @@ mod tests {
         }
         for (node, area) in nodes.into_iter().zip(areas) {
             let weight = weights[&node_at(&curved, node)].area;
-            // what three Gauss points miss of a length that is a square root; two miss more
+            // the error of three Gauss points for a length that is a square root; two have a larger one
             assert!((weight / area - 1.0).abs() < 4e-3, "{weight} {area}");
         }
     }
@@ -163,7 +163,7 @@ mod tests {
         let weights = of_side(&flipped, Analysis::Axisymmetric, 1.0);
         let on_axis = flipped.points().iter().position(|&x| x == [0.0, 0.0]);
         assert!(weights[&on_axis.unwrap()].negligible);
-        // and one that is no number is not positive
+        // and NaN is not positive
         let weights = of_side(&flipped, Analysis::PlaneStrain, f64::NAN);
         assert!(weights.values().all(|weight| weight.negligible));
     }

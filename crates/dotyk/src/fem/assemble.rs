@@ -27,14 +27,14 @@ pub struct BodySystem<const D: usize> {
     pub load: Vec<f64>,
     /// Resultant of the largest single load.
     pub largest_load: f64,
-    /// What is held, by node.
+    /// Held directions, by node.
     pub constraints: Constraints<D>,
     /// Whether a dof is held, (D·n,).
     pub held: Vec<bool>,
     /// u_D, (D·n,): the prescribed displacement of held dofs, zero elsewhere.
     pub prescribed: Vec<f64>,
-    /// The rigid motion that fits u_D best in the least-squares sense, (D·n,). It strains nothing; what is left of u_D
-    /// does, and is computed apart so that a large motion does not drown small strains in rounding.
+    /// The rigid motion that fits u_D best in the least-squares sense, (D·n,). Only the rest of u_D strains the body; it is computed
+    /// separately, so that small strains are not lost in the rounding of a large motion.
     pub carried: Vec<f64>,
     /// u_D less `carried` on held dofs, zero elsewhere, (D·n,).
     pub lift: Vec<f64>,
@@ -43,7 +43,7 @@ pub struct BodySystem<const D: usize> {
     pub frames: BTreeMap<usize, [[f64; D]; D]>,
     /// Rigid motions that the supports leave free: R, one column (D·n,) each, largest displacement 1.
     pub modes: Vec<Vec<f64>>,
-    /// What load steps before have left of its supports, springs and neighbours.
+    /// State of its supports, springs and neighbours after earlier load steps.
     pub(crate) history: History<D>,
 }
 
@@ -122,7 +122,7 @@ pub fn assemble<const D: usize>(
     assemble_after(body, History::default(), analysis, time)
 }
 
-/// The same, with what load steps before have left of what holds it.
+/// The same, with the history of earlier load steps.
 pub(crate) fn assemble_after<const D: usize>(
     body: &Body<D>,
     history: History<D>,
@@ -195,7 +195,7 @@ pub(crate) fn assemble_after<const D: usize>(
 }
 
 /// Coefficients and components of a row below this part of its largest coefficient are rounding: the normals of flat sides and the
-/// integrals of biorthogonal functions are that exact, and a balance may lack a thousand times as much.
+/// integrals of biorthogonal functions are that accurate, and the limit of the balance is a thousand times larger.
 pub(crate) const ALONG: f64 = 1e-13;
 
 /// Length of the largest coefficient of a row.
@@ -204,7 +204,7 @@ pub(crate) fn largest_coefficient<const D: usize>(row: &[(usize, Point<D>)]) -> 
     lengths.fold(0.0, f64::max)
 }
 
-/// What a time gives a body: its loads and prescribed displacements.
+/// Driving terms of a body at a time: its loads and prescribed displacements.
 struct Driving {
     load: Vec<f64>,
     largest_load: f64,
@@ -234,14 +234,14 @@ impl Driving {
                 .zip(came.iter().flatten())
                 .for_each(|(f, k)| *f += k);
         }
-        // what springs hold is strained by a rigid motion, too
+        // a rigid motion strains springs, too
         let mut carried = match body.springs.is_empty() {
             true => carried_motion(&body.mesh, constraints, RigidBasis::of(analysis)),
             false => vec![0.0; load.len()],
         };
         into_frames(frames, &mut load);
         into_frames(frames, &mut carried);
-        // what is rounding of an initial stress and its loads moves nothing
+        // rounding of an initial stress and its loads must not move the body
         for (force, known) in load.chunks_exact_mut(D).zip(rounding) {
             let none = force.iter_mut().filter(|c| c.abs() <= known);
             none.for_each(|c| *c = 0.0);
@@ -250,7 +250,7 @@ impl Driving {
         let largest = prescribed.iter().fold(0.0f64, |l, v| l.max(v.abs()));
         for (dof, value) in held_dofs(constraints, frames) {
             let rest = value - carried[dof];
-            // exactly zero where only rounding is left
+            // exactly zero where only rounding remains
             if rest.abs() > 1e-13 * largest {
                 lift[dof] = rest;
             }
@@ -266,7 +266,7 @@ impl Driving {
 }
 
 impl Driving {
-    /// Not at the end of a step, but on the way there from what drove the body before.
+    /// Driving terms within a step, between those before and those at its end.
     fn on_the_way(&mut self, part: Part, before: Option<Self>) {
         let before = before.as_ref();
         part.mix(&mut self.load, before.map(|b| &b.load[..]));
@@ -275,7 +275,7 @@ impl Driving {
         part.mix(&mut self.lift, before.map(|b| &b.lift[..]));
     }
 
-    /// Adds the load of what has yielded.
+    /// Adds the load of the plastic strain.
     fn add_yielded<const D: usize>(
         &mut self,
         (body, history): (&Body<D>, &History<D>),
@@ -311,8 +311,7 @@ fn held_dofs<const D: usize>(
 }
 
 impl<const D: usize> BodySystem<D> {
-    /// An elastic part whose dofs are springs by themselves: stiffness and load of each, the dofs without stiffness held. Shapes:
-    /// (nodes,).
+    /// An elastic part whose dofs are separate springs: stiffness and load of each, dofs without stiffness held. Shapes: (nodes,).
     pub fn elastic(stiffness: &[[f64; D]], load: &[Point<D>]) -> Self {
         let held: Vec<[Option<f64>; D]> = stiffness
             .iter()
@@ -327,8 +326,8 @@ impl<const D: usize> BodySystem<D> {
         }
     }
 
-    /// A rigid part, without stiffness: each component of its nodes is held at a value, or is a mode by itself. In such a part
-    /// what is prescribed strains nothing. Shapes: (nodes,).
+    /// A rigid part, without stiffness: each component of its nodes is held at a value, or is a mode of its own. Prescribed values
+    /// cause no strain in it. Shapes: (nodes,).
     pub fn rigid(load: &[Point<D>], held: &[[Option<f64>; D]]) -> Self {
         let nodes: Vec<u32> = (0..load.len() as u32).collect();
         let single = Connectivity {
@@ -363,8 +362,8 @@ impl<const D: usize> BodySystem<D> {
         part.mix(&mut self.carried, before.map(|b| &b.carried[..]));
     }
 
-    /// The same body at another time: loads and prescribed displacements are taken anew, and what is held, K and R stay,
-    /// because the directions in which supports hold do not depend on time.
+    /// The same body at another time: loads and prescribed displacements are updated; held dofs, K and R stay, because the
+    /// directions in which supports hold do not depend on time.
     ///
     /// `body` and `analysis` are those that the system was assembled from.
     /// Errors: contradictory supports, values that are not finite.
@@ -372,7 +371,7 @@ impl<const D: usize> BodySystem<D> {
         self.at_part(body, analysis, time, None)
     }
 
-    /// The same, where `part` is given not at the end of a step.
+    /// The same; with `part` at a fraction of a step.
     pub(crate) fn at_part(
         self,
         body: &Body<D>,
@@ -403,8 +402,8 @@ impl<const D: usize> BodySystem<D> {
         })
     }
 
-    /// Turns the frames of nodes, the first axis along a direction of length 1 each. Nodes that something holds stay: their frames
-    /// are those of their supports; and those that have been turned before.
+    /// Turns the frames of nodes, the first axis along a direction of length 1 each. Supported nodes keep the frames of their
+    /// supports, and turned nodes stay as they are.
     pub(crate) fn turn(&mut self, directions: impl Iterator<Item = (usize, Point<D>)>) {
         let (held, turned) = (&self.constraints.nodes, &self.frames);
         let free = directions.filter(|(n, _)| !held.contains_key(n) && !turned.contains_key(n));
@@ -449,8 +448,8 @@ impl<const D: usize> BodySystem<D> {
         }
     }
 
-    /// A row of global coefficients by node, by dofs along the frames; what is rounding beside its largest coefficient (1e-13) is
-    /// left out.
+    /// A row of global coefficients by node, by dofs along the frames; rounding relative to its largest coefficient (1e-13) is left
+    /// out.
     pub fn row_in_frames(&self, row: &[(usize, Point<D>)]) -> impl Iterator<Item = (usize, f64)> {
         let rounding = ALONG * largest_coefficient(row);
         row.iter().flat_map(move |&(node, row)| {

@@ -17,7 +17,7 @@ pub(crate) struct Cells<'a, const D: usize> {
     pub table: CellTable<D>,
 }
 
-/// What a cell does at a point of its rule.
+/// Deformation of a cell at a point of its rule.
 pub(crate) struct Deformation<const D: usize> {
     /// Undeformed.
     pub point: Point<D>,
@@ -93,7 +93,7 @@ impl<'a, const D: usize> Cells<'a, D> {
     }
 
     /// Stiffness of a cell, dense and row-major (size, size), in global axes, its modes eliminated: the leading part is that
-    /// of the nodes, the rows behind tell the modes.
+    /// of the nodes, and the rows after it give the modes.
     pub fn stiffness(&self, cell: &[u32], matrix: &mut [f64]) {
         let (k, size) = (self.table.count(), self.size());
         let (lame, points) = (self.lame, self.body.mesh.points());
@@ -137,8 +137,8 @@ impl<'a, const D: usize> Cells<'a, D> {
         eliminate(matrix, size, D * cell.len());
     }
 
-    /// The amplitudes of the incompatible modes of a cell under the given nodal displacements, which these forces hold (modes,);
-    /// empty where it has none.
+    /// The amplitudes of the incompatible modes of a cell under the given nodal displacements and holding forces (modes,); empty
+    /// without modes.
     pub fn modes(
         &self,
         cell: &[u32],
@@ -153,7 +153,7 @@ impl<'a, const D: usize> Cells<'a, D> {
         amplitudes(&matrix, self.size(), &relative, &forces)
     }
 
-    /// Adds what forces that hold the modes of a cell (modes,) do at its nodes.
+    /// Adds the nodal equivalent of forces that hold the modes of a cell (modes,).
     pub fn hand_on(&self, cell: &[u32], held: &[Point<D>], forces: &mut [Point<D>]) {
         if held.is_empty() {
             return;
@@ -163,7 +163,7 @@ impl<'a, const D: usize> Cells<'a, D> {
         sums.for_each(|(sum, force)| *sum += force);
     }
 
-    /// The stiffness of a cell, its modes eliminated, and forces on these (modes,) handed on to the nodes: (size,).
+    /// The stiffness of a cell, its modes eliminated, and forces on these (modes,) transferred to the nodes: (size,).
     fn condensed(&self, cell: &[u32], held: &[Point<D>]) -> (Vec<f64>, Vec<f64>) {
         let (size, kept) = (self.size(), D * cell.len());
         let mut matrix = vec![0.0; size * size];

@@ -1,8 +1,8 @@
 //! Borders between the materials of a body, across which stress and strain jump.
 //!
-//! What is recovered at the nodes is averaged over cells of one elasticity alone, so that a node on a border has one value for
-//! each elasticity that meets there. Such values are given at *places*, of which there is one for every node, and behind them a
-//! further one for each node on a border and each further elasticity:
+//! Values recovered at the nodes are averaged only over cells of one elasticity, so that a node on a border has one value for each
+//! elasticity that meets there. Such values are given at *places*: one for every node, followed by a further one for each node on a
+//! border and each further elasticity:
 //!
 //! ```text
 //!   place(block, node) = node                     for the first elasticity, in the order of the blocks, of the cells around
@@ -30,7 +30,7 @@ pub struct Borders {
 }
 
 impl Borders {
-    /// Those of a body. Errors: a group of cells without a material.
+    /// The borders of a body. Errors: a group of cells without a material.
     pub fn of<const D: usize>(body: &Body<D>) -> Result<Self, FemError> {
         let mut elastic: Vec<Elastic> = Vec::new();
         let mut kinds = Vec::new();
@@ -90,7 +90,7 @@ impl Borders {
         (0..self.count()).map(|place| self.node(place))
     }
 
-    /// Of every node the place where such values (places,) are largest, or are numbers at all.
+    /// For every node the place with the largest value (places,), NaN ignored.
     pub fn largest(&self, values: &[f64]) -> Vec<usize> {
         let mut found: Vec<usize> = (0..self.nodes).collect();
         for (further, &node) in self.again.iter().enumerate() {

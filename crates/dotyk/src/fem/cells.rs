@@ -6,7 +6,7 @@ use crate::fem::quadrature;
 use crate::geometry::{Point, add_scaled, invert};
 use crate::mesh::{CellKind, MAX_CELL_NODES};
 
-/// What an area in the (r, z) or (x, y) plane stands for: thickness, 2πr, or 1 in 3D.
+/// Factor of an area in the (r, z) or (x, y) plane: thickness, 2πr, or 1 in 3D.
 pub(crate) fn measure<const D: usize>(analysis: Analysis, thickness: f64, point: Point<D>) -> f64 {
     match analysis {
         Analysis::PlaneStrain | Analysis::PlaneStress => thickness,

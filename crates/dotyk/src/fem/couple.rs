@@ -1,4 +1,5 @@
-//! Reference points of sides: a couple makes a side and a point move together, and what drives the point drives the side.
+//! Reference points of sides: a couple makes a side and a point move together, so that loads and supports of the point act on the
+//! side.
 
 use crate::fem::error::{FemError, show};
 use crate::fem::nouns::{Analysis, Body};
@@ -31,7 +32,7 @@ impl CoupleKind {
 pub struct Couple<const D: usize> {
     /// Name of the point, unique among the couples of a body.
     pub name: String,
-    /// Where it is.
+    /// Its position.
     pub point: Point<D>,
     /// The side that moves with it.
     pub side: String,
@@ -47,15 +48,15 @@ pub struct Couple<const D: usize> {
     pub moment: [Field; 3],
 }
 
-/// What a time gives a point: what it carries, and where it is held. First along the axes, then for the rotations that it has,
-/// taken as lengths and forces at the end of an arm.
+/// Load and held components of a point at a time: first along the axes, then for its rotations, as lengths and forces at the end
+/// of an arm.
 pub(crate) struct Drive<const D: usize> {
     pub load: [Point<D>; 2],
     pub held: [[Option<f64>; D]; 2],
 }
 
 impl<const D: usize> Couple<D> {
-    /// A point that moves as its side does: nothing holds it, and it carries nothing.
+    /// A free point without a load, which moves with its side.
     pub fn new(name: &str, point: Point<D>, side: &str, kind: CoupleKind) -> Self {
         let zero = |_| Field::constant(0.0);
         Self {
@@ -87,7 +88,7 @@ impl<const D: usize> Couple<D> {
         let distances = nodes
             .iter()
             .map(|&node| distance(body.mesh.points()[node], self.point));
-        // a NaN is no smaller
+        // a NaN is not smaller
         let arm = distances.fold(0.0, |arm: f64, d| if d <= arm { arm } else { d });
         match arm.is_finite() {
             true => Ok(arm),

@@ -1,4 +1,4 @@
-//! What the part of a plane body ahead of a straight cut is loaded with: its equilibrium gives the forces in the cut.
+//! Resultant of the loads on the part of a plane body ahead of a straight cut: equilibrium gives the forces in the cut.
 //!
 //! Let w be a rigid motion, H the step at the cut (0 behind, 1 ahead), and φ a field of nodal values that rises from 0 behind
 //! to 1 ahead across the layer of cells about the cut. As the cells on either side of the layer do no work on φw,
@@ -7,19 +7,19 @@
 //!   F·w = ∫ σ : ∇(φw) dV  −  ∫ (φ − H) f·w     over the layer,       f: loads, reactions, contact forces, body force
 //! ```
 //!
-//! with the total stress σ is the resultant of all forces on the part ahead, H f, to the rounding of the nodal balance: statics, where it determines
-//! them, and where it does not (a ring) what the displacements make of it, twice as accurate as stresses. No stress is
-//! recovered. With axial symmetry the hoop stress is a force per volume −σ_θ/r along r.
+//! with the total stress σ is the resultant of all forces on the part ahead, H f, to the rounding of the nodal balance. It is exact where
+//! statics determines it; elsewhere (a ring) it follows from the displacements, with twice the order of accuracy of stresses. No stress
+//! is recovered. With axial symmetry the hoop stress is a force per volume −σ_θ/r along r.
 //!
 //! * Tractions, body force and springs of sides are integrated exactly up to the cut, through cells and facets.
 //! * Of contacts, couples, supports of sides and beds that only press nodal forces are known. They count as the traction of shape
 //!   functions on these sides that has these nodal forces, else each cut beside a node would show half of the node's force. Each
-//!   stands on its own side alone: at the corner of a held end and a bedded long side the reaction of the support belongs to
-//!   the end, the force of the bed to the long side, and as one traction over both they would leak into each other.
-//! * A force at a point of the cut belongs to the part behind; so does all that acts on a face in which the body begins. Where
-//!   it ends in the cut, the cut is meant just before that face: what acts there is ahead, but for point loads.
+//!   acts only on its own side: at the corner of a held end and a bedded long side the reaction of the support belongs to the
+//! end, the force of the bed to the long side, and one traction over both would mix them.
+//! * A force at a point of the cut belongs to the part behind; so do all forces on a face at which the body begins. Where the
+//! body ends at the cut, the cut is just before that face: forces there are ahead, except for point loads.
 //!
-//! Source: the virtual work of a cut as in `algorithms.md` of the project; forces for the thickness or the full 2π.
+//! Source: the virtual work of a cut as in `docs/theory/sections.md`; forces for the thickness or the full 2π.
 
 use crate::fem::cells::{CellTable, measure};
 use crate::fem::error::FemError;
@@ -48,10 +48,10 @@ pub(crate) struct Ahead<'a, const D: usize> {
     time: f64,
     cells: CellForces<'a, D>,
     displacement: &'a [Point<D>],
-    /// Loads of each facet, and what a unit of their value is per area.
+    /// Loads of each facet, and the traction per unit of their value.
     loads: BTreeMap<Facet, Vec<(&'a Load<D>, f64)>>,
     springs: Vec<Sprung<'a, D>>,
-    /// By what pushes its sides, and by what bodies that have gone have left.
+    /// Known nodal forces on its sides, and those left by bodies that have gone.
     pushed: Vec<Pushed<D>>,
     /// Forces at nodes.
     points: BTreeMap<u32, Point<D>>,
@@ -69,8 +69,8 @@ struct Sprung<'a, const D: usize> {
     came: Option<&'a [Point<D>]>,
 }
 
-/// Nodal forces ON a body of one support, bed, contact or couple, or of contacts that have nodes in common, and the sides that
-/// they are spread over.
+/// Nodal forces ON a body of one support, bed, contact or couple, or of contacts with common nodes, and the sides over which they
+/// are spread.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Push<const D: usize> {
     pub sides: BTreeSet<String>,
@@ -109,7 +109,7 @@ fn plane<const D: usize>(point: Point<D>) -> Point<2> {
     [point[0], point[1]]
 }
 
-/// The cut as what divides the body.
+/// The cut as a division of the body.
 struct Divide<'c> {
     cut: &'c Cut,
     middle: Point<2>,
@@ -138,7 +138,7 @@ impl<'c> Divide<'c> {
         dot(self.arm(point), self.along)
     }
 
-    /// H at a point, with that of its cell in reserve: where it lies on the line beside the cut.
+    /// H at a point; where it lies on the line of the cut, that of its cell.
     fn step(&self, point: Point<2>, of_cell: impl Fn() -> Point<2>) -> bool {
         let tolerance = 2.0 * ON_CUT * self.half;
         let ahead = self.ahead(point);
@@ -153,7 +153,7 @@ impl<'c> Divide<'c> {
 }
 
 impl<'a, const D: usize> Ahead<'a, D> {
-    /// With the displacements, what pushes its sides besides loads and springs, and the forces of bars by node, at a time.
+    /// From the displacements, the forces on its sides besides loads and springs, and the forces of bars by node, at a time.
     ///
     /// Errors: a group of cells without a material; a side that is not there.
     pub fn new(
@@ -281,7 +281,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         Ok(sum)
     }
 
-    /// The cells that φ rises in and that hang together with the middle of the cut.
+    /// The cells in which φ rises and that are connected with the middle of the cut.
     fn layer(&self, divide: &Divide<'_>, rises: &[bool]) -> Vec<(u32, u32)> {
         let mesh = &self.body.mesh;
         let nodes = |(b, c): (u32, u32)| mesh.cell_nodes(b as usize, c as usize);
@@ -321,7 +321,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         found.into_iter().collect()
     }
 
-    /// What a cell of the layer contributes, with the facets of it that are loaded.
+    /// Contribution of a cell of the layer, with its loaded facets.
     fn add_cell(
         &self,
         divide: &Divide<'_>,
@@ -498,7 +498,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
 /// Most steps of the conjugate gradients: with the diagonal divided out the mass of lines has eigenvalues between 1/2 and 2.
 const MOST_STEPS: usize = 200;
 
-/// Loads of each facet with what a unit of their value is per area, and those of nodes.
+/// Loads of each facet with the traction per unit of their value, and those of nodes.
 type Loads<'a, const D: usize> = (
     BTreeMap<Facet, Vec<(&'a Load<D>, f64)>>,
     BTreeMap<u32, Point<D>>,
@@ -538,7 +538,7 @@ fn loads<const D: usize>(
     Ok((of_facets, of_nodes))
 }
 
-/// Forces (nodes,) that bodies which have gone have left, at a time.
+/// Forces (nodes,) left by bodies that have gone, at a time.
 fn released<const D: usize>(body: &Body<D>, history: &History<D>, time: f64) -> Vec<Point<D>> {
     let mut sum = vec![[0.0; D]; body.mesh.points().len()];
     for (left, factor) in &history.released {

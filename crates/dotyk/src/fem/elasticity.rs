@@ -81,7 +81,7 @@ impl Lame {
         })
     }
 
-    /// Bulk modulus, but for plane stress.
+    /// Bulk modulus; not for plane stress.
     pub fn bulk(self) -> f64 {
         self.lambda + 2.0 / 3.0 * self.mu
     }

@@ -1,7 +1,7 @@
 //! Incompatible modes: linear quadrilaterals and hexahedra that can bend.
 //!
-//! The displacements of such a cell are linear along its edges. Bent, it answers with shear that the material does not have,
-//! the more the longer it is. Here each cell has the fields φₖ = 1 − ξₖ² beside them, with amplitudes αₖ of its own:
+//! The displacements of such a cell are linear along its edges. In bending it shows a spurious shear, which grows with its length.
+//! Here each cell has additional fields φₖ = 1 − ξₖ², with amplitudes αₖ of its own:
 //!
 //! ```text
 //!   H = Σ uₐ ⊗ ∇Nₐ + Σ αₖ ⊗ gₖ,      gₖ = −2ξₖ (j₀/j) J₀⁻ᵀeₖ,      min over α of ½∫ σ(H):H dV
@@ -9,9 +9,9 @@
 //!
 //! With the Jacobian J₀ of the centre and the ratio of its determinant to that of the point, ∫gₖ dV = 0 in cells of any shape:
 //! a constant stress does no work on them, so that the patch test holds. The amplitudes are eliminated cell by cell,
-//! K = Kᵤᵤ − Kᵤₐ Kₐₐ⁻¹ Kₐᵤ, and found again from the displacements where forces and stresses are asked for.
+//! K = Kᵤᵤ − Kᵤₐ Kₐₐ⁻¹ Kₐᵤ, and recovered from the displacements for forces and stresses.
 //!
-//! A strain ε₀ that is there before anything acts (`initial.rs`) holds the modes by hₐ = −∫ Cε₀ gₖ dV, with which
+//! An initial strain ε₀ (`initial.rs`) holds the modes by hₐ = −∫ Cε₀ gₖ dV, with which
 //!
 //! ```text
 //!   α = −Kₐₐ⁻¹(hₐ + Kₐᵤ u),      forces of the cell on its nodes: K u + hᵤ − Kᵤₐ Kₐₐ⁻¹ hₐ
@@ -28,8 +28,8 @@ pub(crate) fn has_modes(kind: CellKind) -> bool {
     matches!(kind, CellKind::Quad4 | CellKind::Hex8)
 }
 
-/// Eliminates the last dofs of a symmetric positive matrix (size, size), all behind `kept`: its leading part becomes that of
-/// the others alone, and the rows of those eliminated tell their values.
+/// Eliminates the dofs of a symmetric positive matrix (size, size) after the first `kept`: its leading part becomes that of the
+/// kept dofs, and the rows of the eliminated ones give their values.
 pub(crate) fn eliminate(matrix: &mut [f64], size: usize, kept: usize) {
     for p in (kept..size).rev() {
         let pivot = matrix[p * size + p];
@@ -42,15 +42,14 @@ pub(crate) fn eliminate(matrix: &mut [f64], size: usize, kept: usize) {
     }
 }
 
-/// Displacements of the nodes of a cell relative to its first one, (D·nodes,): a rigid motion does nothing to the modes.
+/// Displacements of the nodes of a cell relative to its first one, (D·nodes,): a rigid motion does not affect the modes.
 pub(crate) fn relative<const D: usize>(cell: &[u32], displacement: &[Point<D>]) -> Vec<f64> {
     let first = displacement[cell[0] as usize];
     let of_node = |&node: &u32| sub(displacement[node as usize], first);
     cell.iter().flat_map(of_node).collect()
 }
 
-/// Hands forces on dofs (size,), all behind `kept`, on to those before them, with what [`eliminate`] left of the matrix: the first
-/// become those on the kept dofs alone.
+/// Transfers forces (size,) on the dofs after the first `kept` to the kept ones, with the matrix as [`eliminate`] left it.
 pub(crate) fn condense(matrix: &[f64], size: usize, kept: usize, forces: &mut [f64]) {
     for p in (kept..size).rev() {
         let row = &matrix[p * size..(p + 1) * size];
@@ -60,8 +59,8 @@ pub(crate) fn condense(matrix: &[f64], size: usize, kept: usize, forces: &mut [f
     }
 }
 
-/// The amplitudes of the modes, from what [`eliminate`] left of the matrix, the displacements of the nodes and the forces that
-/// hold the modes as [`condense`] left them.
+/// The amplitudes of the modes, from the matrix as [`eliminate`] left it, the displacements of the nodes, and the forces that hold
+/// the modes as [`condense`] left them.
 pub(crate) fn amplitudes<const D: usize>(
     matrix: &[f64],
     size: usize,

@@ -1,4 +1,4 @@
-//! What can be wrong with one body.
+//! Errors of one body.
 
 use crate::linalg::LinalgError;
 
@@ -22,7 +22,7 @@ pub enum FemError {
     /// A formulation that the cells of the body do not have.
     #[error("formulation = \"enhanced\" {why}")]
     Formulation {
-        /// Why, and what to do.
+        /// Reason and advice.
         why: &'static str,
     },
     /// An initial stress or strain that the analysis cannot have.
@@ -31,7 +31,7 @@ pub enum FemError {
         /// Why.
         why: &'static str,
     },
-    /// What is left of the forces of a neighbour that has gone is no part of them.
+    /// The remaining part of the forces of a neighbour that has gone is not in [0, 1].
     #[error(
         "what a neighbour that has gone leaves of its forces, release = {text}, is {value} at t = {time}: it must lie in [0, 1]"
     )]
@@ -43,7 +43,7 @@ pub enum FemError {
         /// When.
         time: f64,
     },
-    /// A spring without a stiffness, or with one that is no number from 0 on.
+    /// A spring without a stiffness, or with one that is negative or not finite.
     #[error("the stiffness of a spring is {value}: it must be positive")]
     Spring {
         /// The stiffness.
@@ -57,14 +57,14 @@ pub enum FemError {
         /// The side.
         side: String,
     },
-    /// A couple with axial symmetry is driven by more than what moves along the axis.
+    /// A couple with axial symmetry has a load or prescribed value other than along the axis.
     #[error(
         "point \"{name}\": with axial symmetry a coupled point only moves along the axis, and {what} has no meaning there"
     )]
     NotAxial {
         /// Name of the point.
         name: String,
-        /// What has no meaning.
+        /// The value without a meaning.
         what: &'static str,
     },
     /// A load, support, gap or friction value is NaN or infinite.
@@ -142,7 +142,7 @@ pub enum FemError {
     /// A material that yields where that is not possible.
     #[error("`plastic` {why}")]
     Plastic {
-        /// What it lacks, and what to do.
+        /// Reason and advice.
         why: &'static str,
     },
     /// A plane analysis in space, or the other way round.
@@ -172,7 +172,7 @@ pub enum FemError {
         node: usize,
         /// Its position.
         point: String,
-        /// What the factorisation said.
+        /// The error of the factorisation.
         source: LinalgError,
     },
 }

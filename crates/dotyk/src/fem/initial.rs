@@ -1,25 +1,24 @@
-//! What is in a body before anything acts on it: a stress σ₀ (in-situ stress of ground) and a strain ε₀ (temperature,
-//! shrinkage, swelling).
+//! Initial state of a body: a stress σ₀ (in-situ stress of ground) and a strain ε₀ (temperature, shrinkage, swelling).
 //!
 //! ```text
 //!   σ = C(ε(u) − ε₀) + σ₀,        ∫ σ·∇Nₐ dV = fₐ    ⟺    K u = f − ∫ (σ₀ − Cε₀)·∇Nₐ dV
 //! ```
 //!
 //! so that both enter the load alone, and u = 0 where σ₀ balances the loads. The forces of σ₀ − Cε₀ sum to zero in every
-//! cell, do no work on rigid motions, and are integrated as exactly as the body force: what is in equilibrium by its
-//! expressions is so at the nodes, in curved cells, too.
+//! cell, do no work on rigid motions, and are integrated as exactly as the body force: expressions in equilibrium are in
+//! equilibrium at the nodes, too, also in curved cells.
 //!
-//! The incompatible modes of enhanced cells (`enhanced.rs`) feel ε₀, but neither σ₀ nor the body force, which balance each other:
-//! what is deformed by other loads adds to σ₀, and ground that nobody touches does not move there either.
+//! The incompatible modes of enhanced cells (`enhanced.rs`) respond to ε₀, but neither to σ₀ nor to the body force, which balance each
+//! other: the stress of other loads adds to σ₀, and undisturbed ground does not move in these modes either.
 //!
-//! *Rest.* What the stress leaves of the loads is a difference of these. Gradients of shape functions are known to the rounding of
-//! coordinates x beside the size h of the cell, and expressions to that of the largest stress, so that a nodal force is known to
+//! *Rest.* The unbalanced part of the loads is a difference of large forces. Gradients of shape functions have the rounding of
+//! coordinates x relative to the size h of the cell, and expressions that of the largest stress, so that a nodal force is known to
 //!
 //! ```text
 //!   a few ε · max|σ| (h + |x|) h^(D−2) per cell,      ε the unit of rounding
 //! ```
 //!
-//! and is zero where it is less: ground that nobody touches is at rest, not loaded by rounding.
+//! and is set to zero where it is less: undisturbed ground is at rest, not loaded by rounding.
 //!
 //! Tensile stress and elongation are positive; components xx yy zz xy yz xz, of strains tensorial (half the shear angle);
 //! with axial symmetry zz is the hoop component.
@@ -42,7 +41,7 @@ use std::collections::BTreeSet;
 pub struct Components(pub [Field; 6]);
 
 impl Components {
-    /// The same along xx, yy and zz, without shear: a pressure with its sign turned, or a strain that has no direction.
+    /// The same along xx, yy and zz, without shear: a negative pressure, or an isotropic strain.
     pub fn isotropic(value: Field) -> Self {
         let direct = [value.clone(), value.clone(), value];
         let [xx, yy, zz] = direct;
@@ -118,7 +117,7 @@ pub const NAMES: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
 /// The axes of each component.
 const AXES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
-/// The unit vector of n, that of the first axis beside its largest component made perpendicular to it, and the one across both.
+/// The unit vector of n, the first axis other than that of its largest component, made perpendicular to it, and the one across both.
 fn triad(n: [f64; 3]) -> [[f64; 3]; 3] {
     let size = norm(n);
     let n = n.map(|c| c / size);
@@ -134,17 +133,17 @@ fn triad(n: [f64; 3]) -> [[f64; 3]; 3] {
     [n, a, cross(n, a)]
 }
 
-/// Where a component σᵢⱼ stands.
+/// Index of a component σᵢⱼ.
 pub(crate) const PLACE: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
-/// What is in a body before anything acts on it.
+/// Initial state of a body.
 #[derive(Debug, Clone, Default)]
 pub struct Initial {
     /// σ₀, a stress.
     pub stress: Option<Components>,
     /// ε₀.
     pub strain: Option<Components>,
-    /// The vertical that the stress was given by, if it was ([`Components::ground`]): what the body force must act along.
+    /// The vertical of a stress given by [`Components::ground`]: the body force must act along it.
     pub vertical: Option<[f64; 3]>,
 }
 
@@ -152,7 +151,7 @@ pub struct Initial {
 type Law = (Lame, Analysis);
 
 impl Initial {
-    /// Why an analysis cannot have this, if it cannot.
+    /// Why an analysis does not allow this, if so.
     pub fn unfit(&self, analysis: Analysis) -> Option<&'static str> {
         let has = |of: &Option<Components>, component: usize| {
             let field = of.as_ref().map(|values| &values.0[component]);
@@ -177,7 +176,7 @@ impl Initial {
         }
     }
 
-    /// −Cε₀ at a point, a stress: what the initial strain takes off where nothing is deformed.
+    /// −Cε₀ at a point, the stress of the initial strain at zero displacement.
     ///
     /// Errors: an expression that is not finite.
     pub(crate) fn of_strain<const D: usize>(
@@ -205,7 +204,7 @@ impl Initial {
         }
     }
 
-    /// Prepares both wherever they are asked for, those of the recovery of stresses among them.
+    /// Prepares both at all points where they are evaluated, those of the recovery of stresses included.
     fn prepare<const D: usize>(&self, body: &Body<D>, time: f64) {
         if let Some(stress) = &self.stress {
             prepare_within(body, &stress.0, || body.mesh.points().to_vec(), time);
@@ -216,7 +215,7 @@ impl Initial {
     }
 
     /// The nodal forces that hold σ₀ − Cε₀ in each cell of a block, (nodes of the block's cells,), in global axes:
-    /// ∫ σ·∇Nₐ dV of the cell alone, with thickness or 2πr; and the largest component of σ₀ or Cε₀. `None` where there is nothing.
+    /// ∫ σ·∇Nₐ dV of the cell alone, with thickness or 2πr; and the largest component of σ₀ or Cε₀. `None` without an initial state.
     ///
     /// Errors: an expression that is not finite; a group of cells without a material.
     pub(crate) fn cell_forces<const D: usize>(
@@ -247,8 +246,8 @@ impl Initial {
         Ok(Some((forces, largest)))
     }
 
-    /// The forces that hold −Cε₀ in the incompatible modes of one cell, (modes,), by the rule of these cells; none where it has no
-    /// modes or there is no strain.
+    /// The forces that hold −Cε₀ in the incompatible modes of one cell, (modes,), by the rule of these cells; empty without modes or
+    /// without a strain.
     ///
     /// Errors: an expression that is not finite.
     pub(crate) fn held_modes<const D: usize>(
@@ -272,7 +271,7 @@ impl Initial {
     }
 
     /// Adds the forces of one cell, (nodes of the cell,), by the rule of these cells, and returns the largest component of σ₀ or
-    /// Cε₀; nothing where nothing is in the body.
+    /// Cε₀; `None` without an initial state.
     ///
     /// Errors: an expression that is not finite.
     pub(crate) fn add_cell<const D: usize>(
@@ -305,7 +304,7 @@ impl Initial {
         Ok(largest)
     }
 
-    /// Adds the load −∫ (σ₀ − Cε₀)·∇Nₐ dV to nodal forces (D·n,) of a body in global axes; `None` where there is nothing.
+    /// Adds the load −∫ (σ₀ − Cε₀)·∇Nₐ dV to nodal forces (D·n,) of a body in global axes; `None` without an initial state.
     ///
     /// Errors: an expression that is not finite; a group of cells without a material.
     pub(crate) fn add_load<const D: usize>(
@@ -345,18 +344,18 @@ impl Initial {
     }
 }
 
-/// Forces are known to this part of what they are sums of; in cells of all kinds, near and far from the origin, up to 0.6 ε was seen.
+/// Relative rounding of forces as sums; in cells of all kinds, near and far from the origin, up to 0.6 ε was observed.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// What holds the initial stress and strain of a body.
+/// Nodal forces of the initial stress and strain of a body.
 pub(crate) struct Held {
     /// Sum of the magnitudes of the nodal forces.
     pub magnitude: f64,
-    /// By node, to what a force there is known that it is a part of, (n,).
+    /// By node, the uncertainty of a force there, (n,).
     pub rounding: Vec<f64>,
 }
 
-/// Area over which a cell hands a stress to a node, as far as rounding goes, with thickness or 2πr: (h + |x|) h^(D−2).
+/// Area over which a cell transfers a stress to a node, for the rounding, with thickness or 2πr: (h + |x|) h^(D−2).
 fn known_area<const D: usize>(body: &Body<D>, analysis: Analysis, cell: &[u32]) -> f64 {
     let points: Vec<Point<D>> = (cell.iter())
         .map(|&node| body.mesh.points()[node as usize])
@@ -384,10 +383,10 @@ pub(crate) fn body_degree(order: usize) -> usize {
 /// Cells per parallel task.
 const CHUNK: usize = 64;
 
-/// A vertical and a resultant of body forces farther apart than this, the sine of their angle, are two directions.
+/// A vertical and a resultant of body forces are different directions if the sine of their angle exceeds this.
 const TILTED: f64 = 1e-3;
 
-/// The resultant of the body force where it does not act along the vertical that the initial stress was given by.
+/// The resultant of the body force if it does not act along the vertical of the initial stress.
 ///
 /// Errors: an expression that is not finite.
 pub(crate) fn tilted<const D: usize>(
@@ -411,17 +410,17 @@ pub(crate) fn tilted<const D: usize>(
     let sizes: f64 = forces.iter().map(|&f| norm(f)).sum();
     let across = norm(cross(padded(all), vertical)) / norm(vertical);
     let vertical = std::array::from_fn(|i| vertical[i]);
-    // what is a rounding of forces that cancel has no direction
+    // the rounding of forces that cancel has no direction
     let tilted = norm(all) > BALANCED * sizes && across > TILTED * norm(all);
     Ok(tilted.then_some((vertical, all)))
 }
 
-/// Where a body would move although nothing was done to it.
+/// An imbalance that would move an undisturbed body.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct OutOfBalance<const D: usize> {
-    /// The largest nodal force that the initial stress leaves of the body force.
+    /// The largest nodal force of initial stress and body force together.
     pub force: f64,
-    /// That force beside those of the stress in the cells around the node.
+    /// That force relative to those of the stress in the cells around the node.
     pub part: f64,
     /// The node.
     pub at: Point<D>,
@@ -430,9 +429,9 @@ pub(crate) struct OutOfBalance<const D: usize> {
 /// Forces below this part of those of the cells around are rounding, or quadrature of smooth functions.
 const BALANCED: f64 = 1e-6;
 
-/// What the initial stress leaves of the body force, where nothing else acts: inside, and at free parts of the boundary.
-/// Sides with a support or a load and those in `touched` carry what they must; where some side has an in-situ load, free
-/// ones have been excavated.
+/// Imbalance of initial stress and body force at nodes where no other force acts: inside, and at free parts of the boundary.
+/// Sides with a support or a load and those in `touched` may carry any force; where some side has an in-situ load, free
+/// sides have been excavated.
 ///
 /// Errors: an expression that is not finite; an unknown side; a group of cells without a material.
 pub(crate) fn out_of_balance<const D: usize>(
@@ -447,7 +446,7 @@ pub(crate) fn out_of_balance<const D: usize>(
     let n = body.mesh.points().len();
     let (mut rest, mut size) = (vec![[0.0; D]; n], vec![0.0; n]);
     add_body_force(body, analysis, time, rest.as_flattened_mut())?;
-    // strains move bodies, and are meant to
+    // initial strains move bodies, as intended
     let stressed = Initial {
         strain: None,
         ..body.initial.clone()
@@ -457,7 +456,7 @@ pub(crate) fn out_of_balance<const D: usize>(
         let forces = forces.map(|(forces, _)| forces).unwrap_or_default();
         let cells = forces.chunks_exact(block.kind.nodes());
         for (cell, forces) in block.cells().zip(cells) {
-            // at a node in the middle of a cell there may be none
+            // the force of the stress at a node in the middle of a cell may be zero
             let most = forces.iter().map(|&force| norm(force)).fold(0.0, f64::max);
             for (&node, force) in cell.iter().zip(forces) {
                 rest[node as usize] = add_scaled(rest[node as usize], -1.0, *force);
@@ -477,7 +476,7 @@ pub(crate) fn out_of_balance<const D: usize>(
     }))
 }
 
-/// Nodes at which more acts than body force and initial stress.
+/// Nodes with other forces than body force and initial stress.
 fn carrying<const D: usize>(
     body: &Body<D>,
     touched: &BTreeSet<&str>,

@@ -49,12 +49,12 @@ pub(crate) fn internal_forces<const D: usize>(
     Ok((forces, energy))
 }
 
-/// Internal forces of single cells, those of the total stress: of the displacements, and of σ₀ − C(ε₀ + ε_p). What cuts through a
-/// body are in equilibrium with.
+/// Internal forces of single cells by the total stress, that of the displacements and σ₀ − C(ε₀ + ε_p): for cuts through a
+/// body.
 pub(crate) struct CellForces<'a, const D: usize> {
-    /// What has yielded in each block, where something has.
+    /// Plastic strains of each block, `None` without any.
     yielded: Option<Vec<&'a [Strained]>>,
-    /// With the rule of the stiffness, and that which initial stresses and strains are integrated with.
+    /// Cells with the rule of the stiffness, and with the rule for initial stresses and strains.
     blocks: Vec<[Cells<'a, D>; 2]>,
     body: &'a Body<D>,
     displacement: &'a [Point<D>],
@@ -62,7 +62,7 @@ pub(crate) struct CellForces<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> CellForces<'a, D> {
-    /// Those of a body with these nodal displacements at a time. Errors: a group of cells without a material.
+    /// Cell forces of a body with these nodal displacements at a time. Errors: a group of cells without a material.
     pub fn new(
         (body, analysis): (&'a Body<D>, Analysis),
         (displacement, yielded): (&'a [Point<D>], Option<&'a Yielded>),

@@ -42,7 +42,7 @@ pub enum Load<const D: usize> {
     InSitu {
         /// Side of the body.
         side: String,
-        /// What is left of the traction.
+        /// The remaining part of the traction.
         factor: Field,
         /// The initial stress of the body.
         stress: Box<Components>,
@@ -56,7 +56,7 @@ pub enum Load<const D: usize> {
     },
 }
 
-/// What the value of a load is.
+/// The unit of a load's value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Amount {
     /// Force per area.
@@ -103,7 +103,7 @@ impl<const D: usize> Load<D> {
         }
     }
 
-    /// The same as long as something is active, nothing at other times.
+    /// The same while `active`, zero at other times.
     pub fn during(mut self, active: Active) -> Self {
         let fields: &mut [Field] = match &mut self {
             Self::Traction { traction, .. } => traction,
@@ -117,7 +117,7 @@ impl<const D: usize> Load<D> {
         self
     }
 
-    /// All its expressions, those of the stress that was there among them.
+    /// All its expressions, those of the initial stress included.
     fn fields(&self) -> impl Iterator<Item = &Field> {
         let stress = match self {
             Self::InSitu { stress, .. } => &stress.0[..],
@@ -126,7 +126,7 @@ impl<const D: usize> Load<D> {
         self.told().1.iter().chain(stress)
     }
 
-    /// What it is called in messages, and its expressions.
+    /// Its name in messages, and its expressions.
     fn told(&self) -> (&'static str, &[Field]) {
         match self {
             Self::Traction { traction, .. } => ("traction", traction),
@@ -163,14 +163,14 @@ pub(crate) struct NodalLoads {
     /// Resultant of the largest single load, a force. A load that nearly balances itself, such as pressure all around
     /// a ring, counts with the sum of its magnitudes: its resultant is rounding.
     pub largest: f64,
-    /// By node, to what the force there is known, where it is what an initial stress leaves of loads; else empty.
+    /// By node, the uncertainty of the force there as the imbalance of initial stress and loads; empty without an initial stress.
     pub rounding: Vec<f64>,
 }
 
-/// Parts of a whole are in [0, 1] but for the rounding of expressions.
+/// Tolerance of parts in [0, 1]: rounding of expressions.
 const PART: f64 = 1e-9;
 
-/// A load counts as balanced in itself when its resultant is below this fraction of the sum of its magnitudes.
+/// A load counts as self-balanced if its resultant is below this fraction of the sum of its magnitudes.
 const BALANCED: f64 = 1e-3;
 
 /// Resultant of one load, and the sum of its magnitudes.
@@ -360,7 +360,7 @@ pub(crate) fn volume_points<const D: usize>(
     }
 }
 
-/// ∫N dV of every place, (places,), with thickness or 2πr: a field at the places times it sums to the field's integral.
+/// ∫N dV of every place, (places,), with thickness or 2πr: the weights of a field at the places in its integral.
 pub(crate) fn nodal_volumes<const D: usize>(
     body: &Body<D>,
     borders: &Borders,

@@ -1,22 +1,22 @@
-//! How much too stiff the linear cells of a body are: because they bend, keep their volume, or are too large.
+//! Excess stiffness of the linear cells of a body, because they bend, keep their volume, or are too large.
 //!
-//! Such cells give way too little, by the part s of their compliance, found from the displacements u of their nodes alone. With
-//! the strain energy E of the body
+//! Such cells lack the part s of their compliance, which is found from the displacements u of their nodes alone. With the strain
+//! energy E of the body
 //!
 //! ```text
 //!   s = 1 − (1 − (M + J) / E) / (1 + G / E)
 //! ```
 //!
-//! * M, quadrilaterals and hexahedra: what incompatible modes would release at the same u ([`crate::fem::enhanced`]). Zero
-//!   under constant stress; close to E where a thin body bends with one cell through its thickness.
+//! * M, quadrilaterals and hexahedra: the energy that incompatible modes would release at the same u ([`crate::fem::enhanced`]).
+//! Zero under constant stress; close to E where a thin body bends with one cell through its thickness.
 //! * J, simplices and prisms: the energy of the difference between the strain of the cells and
-//!   the continuous one recovered at the nodes of the same material, what Zienkiewicz and Zhu take for the error (Int. J.
+//!   the continuous one recovered at the nodes of the same material, the error estimate of Zienkiewicz and Zhu (Int. J.
 //!   Numer. Methods Eng. 24 (1987) 337–357). Where that and the energy of the recovered strain are more than the energy of
 //!   the cells, E in the first fraction is their sum.
 //! * G, the same cells, nearly incompressible: they resist by pressures that jump from cell to cell, whose energy is small
 //!   because the bulk modulus K is large, and that u hardly shows. The difference δp = K (tr ε − tr ε*) from the recovered one
-//!   loads the inner nodes by f = ∫ δp ∇N; where it lets go, they move by v = −f / k, k what distortion alone opposes to each
-//!   of them, and one step of steepest descent releases G = (f·v)² / 4 W(v), W the energy of distortion. Pressures that
+//!   loads the inner nodes by f = ∫ δp ∇N. If it were released, they would move by v = −f / k, k the stiffness of each against
+//! distortion, and one step of steepest descent releases G = (f·v)² / 4 W(v), W the energy of distortion. Pressures that
 //!   alternate without forces, as they do in pairs of triangles, add nothing.
 
 use crate::fem::block::{Cells, Deformation};
@@ -27,18 +27,18 @@ use crate::fem::nouns::{Analysis, Body, Elastic, Formulation};
 use crate::geometry::{Point, dot};
 use crate::mesh::{CellBlock, CellKind};
 
-/// Above this ratio of Poisson it is rather the volume that cells cannot keep than their bending.
+/// Above this Poisson's ratio cells lock by their volume rather than by bending.
 pub(crate) const INCOMPRESSIBLE: f64 = 0.45;
 
-/// Cells of a block that are looked at, spread evenly: a share of the energy of the whole body needs no more.
+/// Cells of a block that are sampled, evenly spread: enough for a share of the energy of the whole body.
 const LOOKED_AT: usize = 4096;
 
-/// What linear cells cannot show.
+/// The compliance that linear cells lack.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Unseen {
     /// The part of its compliance that a body lacks.
     pub part: f64,
-    /// The cells that have most of it; `None` where there are no linear ones.
+    /// The kind of cells with most of it; `None` without linear cells.
     pub kind: Option<CellKind>,
 }
 
@@ -52,7 +52,7 @@ struct Energies {
     smooth: f64,
 }
 
-/// What the linear cells of a body lack of its compliance.
+/// The compliance that the linear cells of a body lack.
 ///
 /// Shapes: displacement (nodes,), recovered strain (places,) of [`Borders`]. Errors: a group of cells without a material; an
 /// initial strain that is not finite.
@@ -135,12 +135,12 @@ impl<'a, const D: usize> Part<'a, D> {
         body.mesh.blocks().iter().enumerate().filter(own)
     }
 
-    /// Whether cells of a kind are judged by the modes that they do not have.
+    /// Whether cells of a kind are judged by the modes that they lack.
     fn lacks_modes(&self, kind: CellKind) -> bool {
         has_modes(kind) && self.whole.body.formulation == Formulation::Displacement
     }
 
-    /// Whether cells of a kind are judged by what differs from cell to cell.
+    /// Whether cells of a kind are judged by the jumps from cell to cell.
     fn has_jumps(kind: CellKind) -> bool {
         kind.order() == 1 && !has_modes(kind)
     }
@@ -271,7 +271,7 @@ impl<'a, const D: usize> Part<'a, D> {
         }
     }
 
-    /// Nodes (nodes,) of some blocks that nothing else touches: neither the outside nor other cells.
+    /// Nodes (nodes,) inside some blocks: neither on the boundary nor on cells of other blocks.
     fn inner_nodes(&self, blocks: &[(usize, &CellBlock)]) -> Vec<bool> {
         let mesh = &self.whole.body.mesh;
         let mut inner = vec![false; mesh.points().len()];

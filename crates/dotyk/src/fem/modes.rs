@@ -21,7 +21,7 @@ pub enum RigidBasis {
 }
 
 impl RigidBasis {
-    /// The motions that strain nothing in an analysis.
+    /// The strain-free motions of an analysis.
     pub fn of(analysis: Analysis) -> Self {
         if analysis == Analysis::Axisymmetric {
             Self::Axial
@@ -297,7 +297,7 @@ pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>])
     let (translation, spin) = fit_rigid(RigidBasis::Full, points, motion, centre);
     let spin = spin_in_space(&spin);
     let turn = norm(spin);
-    // a centre a thousand sizes away tells nobody anything
+    // a centre a thousand sizes away is useless
     if turn * size < 1e-3 * norm(translation) {
         return format!("translation along {}", direction(translation));
     }

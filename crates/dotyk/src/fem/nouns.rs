@@ -1,4 +1,4 @@
-//! What describes one elastic body: material, supports; its loads have a file of their own.
+//! Description of one elastic body: material, supports; its loads have a file of their own.
 
 use crate::fem::couple::Couple;
 use crate::fem::initial::Initial;
@@ -46,7 +46,7 @@ pub struct Elastic {
 }
 
 impl Elastic {
-    /// E/(1 − ν²), what a plane surface of the material feels.
+    /// E/(1 − ν²), the modulus of a plane surface of the material.
     pub fn plane_modulus(&self) -> f64 {
         self.young / (1.0 - self.poisson * self.poisson)
     }
@@ -59,7 +59,7 @@ pub struct Material {
     pub group: Option<String>,
     /// The law.
     pub elastic: Elastic,
-    /// What it can bear, where that is asked for; it changes nothing else, unless the material is plastic.
+    /// Its strength, for the utilisation; it changes no other result, unless the material is plastic.
     pub strength: Option<Strength>,
     /// How it yields where its stress reaches its strength; `None`: it stays elastic.
     pub plastic: Option<Plastic>,
@@ -74,7 +74,7 @@ pub enum Place<const D: usize> {
     Point(Point<D>),
 }
 
-/// When something is there: at the times t with from ≤ t < until.
+/// The times when a part is present: from ≤ t < until.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Active {
     /// Its first time.
@@ -133,15 +133,15 @@ pub struct Support<const D: usize> {
     pub components: [Option<Field>; D],
     /// Prescribed displacement along the outward normal (a roller on a side of any orientation).
     pub normal: Option<Field>,
-    /// When it holds. Where it comes later than the body it holds nodes where they are then, and what it prescribes comes
-    /// on top.
+    /// When it holds. If it comes later than the body it holds nodes at their displacements of that time, and its prescribed
+    /// values are added.
     pub active: Active,
 }
 
 /// How the cells of a body are made.
 ///
-/// What it is good for: the deflection of a plate 10 × 10 × 0.5, held at one side and loaded at the opposite one, in cells of
-/// 1 × 1 with 1, 2 and 4 of them through the thickness, over the right one (`tests/suite/bending.rs`):
+/// The effect: the deflection of a plate 10 × 10 × 0.5, held at one side and loaded at the opposite one, in cells of 1 × 1 with
+/// 1, 2 and 4 of them through the thickness, relative to the exact one (`tests/suite/bending.rs`):
 ///
 /// | cells | 1 | 2 | 4 |
 /// |---|---|---|---|
@@ -152,7 +152,7 @@ pub struct Support<const D: usize> {
 /// | tet10, hex20, prism15 | 99 % | 99 % | 99 % |
 /// | hex27 | 100 % | 100 % | 100 % |
 ///
-/// More linear cells through the thickness do not help, shorter ones do; a warning tells where such cells bend.
+/// More linear cells through the thickness do not help, shorter ones do; a warning reports where such cells bend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Formulation {
     /// By the displacements of their nodes alone.
@@ -162,7 +162,7 @@ pub enum Formulation {
     Enhanced,
 }
 
-/// What load steps have left of what holds a body and comes and goes.
+/// State of the supports, springs and neighbours of a body that come and go, after load steps.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct History<const D: usize> {
     /// Supports that came later than the body, by their place among its supports, with the displacements (nodes,) of the
@@ -170,14 +170,14 @@ pub(crate) struct History<const D: usize> {
     pub placed: BTreeMap<usize, Arc<[Point<D>]>>,
     /// Springs that came later than the body, in the same way.
     pub sprung: BTreeMap<usize, Arc<[Point<D>]>>,
-    /// Forces (nodes,) of bodies that have gone, each with what is left of it at a time.
+    /// Forces (nodes,) of bodies that have gone, each with the remaining part of it at a time.
     pub released: Vec<(Arc<[Point<D>]>, Field)>,
-    /// What has yielded of it, `None` where nothing has.
+    /// Its plastic strain, `None` without any.
     pub yielded: Option<Arc<Yielded>>,
 }
 
-/// How far a step has gone that is not at its end: loads and prescribed displacements lie in a straight line between those of the
-/// time before, none where there was no step, and its own.
+/// A fraction of a step: loads and prescribed displacements are interpolated between those of the time before (zero without a
+/// step before) and its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Part {
     /// Time of the step before.
@@ -210,29 +210,29 @@ pub struct Body<const D: usize> {
     pub thickness: f64,
     /// Force per volume.
     pub body_force: [Field; D],
-    /// What is in it before anything acts on it.
+    /// Its initial state.
     pub initial: Initial,
-    /// When it is there. It appears free of stress, fitted to what it touches then; its displacements count from there.
+    /// When it is present. It appears free of stress, fitted to its neighbours of that time; its displacements count from there.
     pub active: Active,
-    /// What is left, at a time after it has gone, of the forces of its contacts on its neighbours; `None`: nothing.
+    /// The remaining part, at a time after it has gone, of the forces of its contacts on its neighbours; `None`: zero.
     pub release: Option<Field>,
     /// Prescribed displacements.
     pub supports: Vec<Support<D>>,
-    /// Springs between it and what does not move.
+    /// Springs between it and fixed ground.
     pub springs: Vec<Spring<D>>,
     /// External loads.
     pub loads: Vec<Load<D>>,
     /// Sides that move with a reference point.
     pub couples: Vec<Couple<D>>,
-    /// True surface behind a side, for contact gaps and normals, instead of the one that the mesh may know; `None`: its facets
-    /// are what it is.
+    /// True surface behind a side, for contact gaps and normals, instead of the one that the mesh may know; `None`: its facets are
+    /// the true surface.
     pub surfaces: BTreeMap<String, Option<Surface<D>>>,
     /// Points with a name, on its nodes or not; several have one name where a group of a mesh file says so.
     pub points: BTreeMap<String, Vec<Point<D>>>,
 }
 
 impl<const D: usize> Body<D> {
-    /// Where supports and springs act.
+    /// Places of supports and springs.
     pub(crate) fn held_places(&self) -> impl Iterator<Item = Place<D>> {
         let supports = self.supports.iter().map(|support| support.place.clone());
         supports.chain(self.springs.iter().map(Spring::place))

@@ -1,8 +1,7 @@
-//! The utilisation of a body's materials at its nodes, and how much of it is overstressed.
+//! The utilisation of a body's materials at its nodes, and its overstressed area.
 //!
-//! Stress jumps where elasticity does: there a node has one recovered stress, and one utilisation, for each elasticity that its
-//! cells have ([`Borders`]). Between materials of one elasticity the utilisation is the largest of theirs; each cell is judged by
-//! its own.
+//! Stress jumps where elasticity does: there a node has one recovered stress, and one utilisation, for each elasticity of its cells
+//! ([`Borders`]). Between materials of equal elasticity the utilisation is the larger one; each cell is judged by its own.
 //!
 //! A place is overstressed where the stress of its cell, interpolated between the nodes, exceeds the strength. Cells are cut into
 //! simplices, on which the excess over the strength is taken as linear between the corners:
@@ -22,19 +21,19 @@ use crate::fem::stress::von_mises;
 use crate::mesh::{CellBlock, CellKind, MAX_CELL_NODES, Mesh};
 use rayon::prelude::*;
 
-/// What the strengths of a body's materials say of its stress.
+/// Utilisation of the strengths of a body's materials.
 pub(crate) struct Overstress {
     /// Utilisation at every place; NaN where no cell has a strength.
     pub utilisation: Vec<f64>,
     /// Area of the mesh where it exceeds 1, without thickness and 2πr; in space the volume.
     pub extent: f64,
-    /// The same of all cells that have a strength.
+    /// The area of all cells with a strength.
     pub whole: f64,
 }
 
 /// Utilisation and overstressed area of a body whose recovered total stress is `stress` (places,); `None` where no material has
-/// a strength. What yields has no more than the yield stress at its points, which has `grown` with the equivalent plastic strain
-/// (places,) given there: it is not overstressed.
+/// a strength. A material that yields has at most its yield stress at its points, which has `grown` with the equivalent plastic strain
+/// (places,): it is not overstressed.
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn overstress<const D: usize>(
@@ -90,7 +89,7 @@ fn extent<const D: usize>(mesh: &Mesh<D>, block: &CellBlock) -> f64 {
 }
 
 impl Overstress {
-    /// Takes in the cells of a block, whose nodes have these places.
+    /// Adds the cells of a block, whose nodes have these places.
     fn add<const D: usize>(
         &mut self,
         mesh: &Mesh<D>,
@@ -108,7 +107,7 @@ impl Overstress {
         let mut safe = vec![false; stress.len()];
         for (&place, value) in once.iter().zip(values) {
             let known = &mut self.utilisation[place];
-            // the larger; of a number and one that is not, the number
+            // the larger one; NaN is ignored
             *known = known.max(value);
             safe[place] = value <= 1.0;
         }
@@ -118,7 +117,7 @@ impl Overstress {
             .par_chunks(k)
             .zip(places.par_chunks(k))
             .map(|(cell, places)| {
-                // states that do not fail are convex: between such nodes of a linear cell there are none that do
+                // safe states form a convex set: between safe nodes of a linear cell no state fails
                 let linear = block.kind.order() == 1;
                 let whole = linear && places.iter().all(|&place| safe[place]);
                 division.extent(mesh, cell, |at| match whole {
@@ -199,7 +198,7 @@ impl<const D: usize> Division<D> {
     }
 }
 
-/// Points of a reference cell this near to each other are one.
+/// Points of a reference cell this near to each other coincide.
 const SAME: f64 = 1e-9;
 
 /// The simplices of a reference cell, by their corners: cones from its centre over those of its facets; a line with a middle node is
@@ -248,8 +247,8 @@ fn volume<const D: usize>(simplex: &[[f64; 3]]) -> f64 {
     }
 }
 
-/// The share of a triangle or tetrahedron in which the linear function with these values at its corners is positive; none where one
-/// is no number.
+/// The share of a triangle or tetrahedron in which the linear function with these values at its corners is positive; zero if one is
+/// NaN.
 ///
 /// A corner alone on its side is cut off by its similar part, Π v/(v − vⱼ); a tetrahedron with two on either side is cut
 /// into two such through the place on an edge where the function vanishes. Only differences of values of unlike sign occur.
@@ -329,7 +328,7 @@ mod tests {
             let slanted = |[x, y]: Point<2>| [x + 0.5 * y, y];
             let mesh = rectangle.build().unwrap().map_points(slanted).unwrap();
             let found = graded(mesh, 0.7);
-            // all but what is left of x = 0.7 in the parallelogram: at y it is 0.7 − y/2 wide
+            // all but the part left of x = 0.7 in the parallelogram: at y it is 0.7 − y/2 wide
             let expected = 2.0 - (0.7 - 0.25);
             assert!(
                 (found.extent - expected).abs() < 1e-12,
@@ -398,7 +397,7 @@ mod tests {
         ] {
             assert!((share(&v) - tetrahedron(v)).abs() < 0.03, "{v:?}");
         }
-        // what is zero is not beyond
+        // zero is not beyond
         assert_eq!(share(&[0.0, 0.0, 0.0]), 0.0);
         assert_eq!(share(&[1.0, 1.0, 0.0, 0.0]), 1.0);
         assert_eq!(share(&[-1.0, -1.0, 0.0]), 0.0);
@@ -425,7 +424,7 @@ mod tests {
             let stress = crate::fem::recover_stress(&body, plane, &u, 1.0).unwrap();
             overstress(&body, &Borders::of(&body).unwrap(), &stress, None).unwrap()
         };
-        // nodes 1 and 4 lie between the groups, and are there again behind the six
+        // nodes 1 and 4 lie between the groups, and are listed again after the six
         let near = |found: &[f64], expected: [f64; 8]| {
             assert_eq!(found.len(), expected.len());
             for (found, expected) in found.iter().zip(expected) {
@@ -436,7 +435,7 @@ mod tests {
                 );
             }
         };
-        // each side has its own, and the soft rock beside the stiff lining is not overstressed
+        // each side has its own utilisation, and the soft rock beside the stiff lining is not overstressed
         let found = judge((3.0, Some(4.0)), (9.0, Some(10.0))).unwrap();
         near(
             &found.utilisation,

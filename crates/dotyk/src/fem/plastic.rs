@@ -11,13 +11,13 @@
 //!   Δp = max(0, σᵥ* − σ_Y − H p⁰)/(3μ + H),        ε_p = ε_p⁰ + Δp · 3s*/(2σᵥ*)
 //! ```
 //!
-//! *Equilibrium.* ε_p is a strain that is there before the body deforms, as that of temperature is (`initial.rs`): it enters the
-//! load alone, K u = f + ∫ Cε_p·∇N dV, and the stiffness stays that of the elastic body. What is asked for is the ε_p that returns
-//! to itself, ε_p = R(ε(u(ε_p))). The increment minimises a convex energy whose stiffness is at most C, so that u ← u(R(ε(u))) is
+//! *Equilibrium.* ε_p enters as an initial strain, like that of temperature (`initial.rs`), and thus the load alone:
+//! K u = f + ∫ Cε_p·∇N dV. The stiffness stays that of the elastic body. The unknown is a fixed point,
+//! ε_p = R(ε(u(ε_p))). The increment minimises a convex energy whose stiffness is at most C, so that u ← u(R(ε(u))) is
 //! a descent that never overshoots; it is accelerated (`model/march/flow.rs`).
 //!
-//! Cells that flow resist a part of their change of volume alone (`volume.rs`). What only cells hold, and no material, is told by works
-//! and energies of the flow.
+//! Cells that flow resist only a part of their change of volume (`volume.rs`). Works and energies of the flow show whether a load is
+//! borne by constrained cells instead of the material.
 //!
 //! Components xx yy zz xy yz xz, tensorial, elongation positive; with axial symmetry zz is the hoop component.
 //! Source: as described in J. C. Simo and T. J. R. Hughes, Computational Inelasticity, chapters 2 and 3.
@@ -51,29 +51,29 @@ struct Metal {
     hardening: f64,
 }
 
-/// Plastic strain, behind it the equivalent one, and the change of volume that is not resisted (`volume.rs`).
+/// Plastic strain, then the equivalent one, and the change of volume that is not resisted (`volume.rs`).
 pub(crate) type Strained = [f64; 8];
 
-/// Of a point in a body that has not yielded.
+/// State of a point in a body that has not yielded.
 const NOTHING: Strained = [0.0; 8];
 
-/// The place of the equivalent plastic strain.
+/// Index of the equivalent plastic strain.
 const EQUIVALENT: usize = 6;
 
-/// What has yielded of a body: plastic strains at the points of all cells, in their order, zeros where nothing has.
+/// Plastic strains of a body at the points of all cells, in their order, zero where it has not yielded.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Yielded(pub Vec<Strained>);
 
-/// What an increment of plastic strain has done.
+/// Results of an increment of plastic strain.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Increment<const D: usize> {
-    /// ∫ C(ε − ε_p)·∇Nₐ dV, what holds the stress besides the initial one, (nodes,), in global axes.
+    /// ∫ C(ε − ε_p)·∇Nₐ dV, the nodal forces of the stress besides the initial one, (nodes,), in global axes.
     pub held: Vec<Point<D>>,
-    /// The largest force of the total stress of a cell on a node, where it has yielded within [`SCALES`] of that of its yield stress.
+    /// The largest force of the total stress of a cell on a node, for yielding cells within [`SCALES`] of that of their yield stress.
     pub force: f64,
-    /// The largest stress beyond the yield stress that is left.
+    /// The largest remaining stress beyond the yield stress.
     pub beyond: f64,
-    /// The largest von Mises stress before anything was returned.
+    /// The largest von Mises stress before the return.
     pub trial: f64,
     /// Elastic energy, ½∫ (ε − ε_p):C(ε − ε_p) dV.
     pub stored: f64,
@@ -81,36 +81,36 @@ pub(crate) struct Increment<const D: usize> {
     pub gained: f64,
     /// Area of the section, volume in space, of points whose plastic strain is not zero.
     pub extent: f64,
-    /// Works and energies of what has yielded.
+    /// Works and energies of the flow.
     pub flow: Flow,
 }
 
-/// Works and energies of what has yielded in a step.
+/// Works and energies of the plastic flow in a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Flow {
     /// ∫ σ:Δε_p dV.
     pub dissipated: f64,
     /// The part of that which hardening takes, ∫ H p Δp dV.
     pub hardened: f64,
-    /// The most that shear can store there, ∫ (σ_Y + H p)²/6μ dV.
+    /// The largest elastic shear energy there, ∫ (σ_Y + H p)²/6μ dV.
     pub sheared: f64,
-    /// What the mean stress stores by what it differs from its mean in each cell.
+    /// Energy of the deviation of the mean stress from its average in each cell.
     pub swings: f64,
 }
 
 impl Flow {
-    /// A body that flows this much more than it is sheared elastically has become a mechanism: perfect tubes reach 7 to 21 at 0.999
+    /// A body whose dissipation exceeds its elastic shear energy by this factor is a mechanism: perfect tubes reach 7 to 21 at 0.999
     /// of their collapse load, and 25 to 70 at 0.9999, with b/a of 1.3 to 3 and ν of 0.1 and 0.3.
     const FAR: f64 = 50.0;
 
-    /// Hardening below this part of the yield stress stops none.
+    /// Hardening work below this part of the dissipation does not stop a mechanism.
     const FLAT: f64 = 0.02;
 
-    /// In a mechanism the work of the loads is dissipated. Where this part of it is not, but stored in mean stresses that swing
-    /// within cells, no material bears the load: it is cells that cannot flow at constant volume, however far they are moved.
+    /// In a mechanism the work of the loads is dissipated. If this part of it is stored in mean stresses that oscillate within cells
+    /// instead, the material does not bear the load: the cells cannot flow at constant volume, however far they are moved.
     const HELD: f64 = 5e-3;
 
-    /// Loads are borne by what cells cannot do, and not by their material.
+    /// Loads are borne by constrained cells, and not by their material.
     pub fn is_held_by_cells(self) -> bool {
         let flows = self.dissipated > Self::FAR * self.sheared;
         let flat = self.hardened < Self::FLAT * self.dissipated;
@@ -125,14 +125,13 @@ impl Flow {
     }
 }
 
-/// Forces of a cell are a scale between these times those of its yield stress, from below where it has yielded: what is unloaded bears
-/// no stress, and its nodal forces are rounding of those of Cε_p and Cε, which are each other's. Where a load is more than what is
-/// borne displacements run away, and so does the rounding of stresses, which no scale must follow: what is left unbalanced would be
-/// nothing beside it.
+/// Bounds of the scale of a cell's forces, relative to those of its yield stress; the lower one only where it has yielded. An unloaded
+/// cell has no stress, and its nodal forces are rounding of those of Cε_p and Cε, which cancel. Beyond the limit load displacements run
+/// away, and with them the rounding of stresses; a scale that followed would hide the imbalance.
 const SCALES: [f64; 2] = [1e-2, 10.0];
 
 impl Metal {
-    /// What a material that yields does, `None` of one that does not.
+    /// The law of a material that yields; `None` if it does not.
     fn of(material: &Material, analysis: Analysis) -> Option<Self> {
         let (Some(plastic), Some(Strength::VonMises { yield_stress })) =
             (material.plastic, material.strength)
@@ -146,17 +145,17 @@ impl Metal {
         })
     }
 
-    /// The yield stress of what has yielded by p.
+    /// The yield stress at the equivalent plastic strain p.
     fn strength(self, p: f64) -> f64 {
         self.yield_stress + self.hardening * p
     }
 
-    /// By how much a stress is beyond that.
+    /// Excess of a stress beyond the yield stress.
     fn beyond(self, stress: [f64; 6], p: f64) -> f64 {
         von_mises(stress) - self.strength(p)
     }
 
-    /// The plastic strain of the stress that this is returned to, which it would be if nothing more had yielded than before.
+    /// The plastic strain after the return of a trial stress, the stress at the plastic strain of before.
     fn returned(self, trial: [f64; 6], before: Strained) -> Strained {
         let beyond = self.beyond(trial, before[EQUIVALENT]);
         if beyond <= 0.0 {
@@ -180,8 +179,8 @@ impl<const D: usize> Body<D> {
         self.materials.iter().any(|m| m.plastic.is_some())
     }
 
-    /// Errors: a material that yields by another law than is there, or without one; a hardening that is negative; an analysis or
-    /// formulation in which nothing yields.
+    /// Errors: a material that yields without a strength or with an unsupported one; a negative hardening; an analysis or formulation
+    /// without plasticity.
     pub(crate) fn check_plastic(&self, analysis: Analysis) -> Result<(), FemError> {
         for material in &self.materials {
             let Some(plastic) = material.plastic else {
@@ -204,9 +203,9 @@ impl<const D: usize> Body<D> {
 }
 
 impl Plastic {
-    /// Its constants, and the strength at which it begins.
+    /// Checks its constants, and the strength at which yielding begins.
     ///
-    /// Errors: [`FemError::Plastic`] and [`FemError::Material`] that tell what is wrong.
+    /// Errors: [`FemError::Plastic`] and [`FemError::Material`] with the reason.
     pub(crate) fn check(&self, strength: Option<&Strength>) -> Result<(), FemError> {
         if !(self.hardening >= 0.0 && self.hardening.is_finite()) {
             return Err(FemError::Material {
@@ -237,7 +236,7 @@ struct Points<'a, const D: usize> {
     range: Range<usize>,
 }
 
-/// Those of all blocks of a body. Errors: a group of cells without a material.
+/// The points of all blocks of a body. Errors: a group of cells without a material.
 fn points<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
@@ -258,12 +257,12 @@ fn points<const D: usize>(
 }
 
 impl Yielded {
-    /// Nothing has, anywhere.
+    /// No point has yielded.
     pub fn is_nothing(&self) -> bool {
         self.0.iter().all(|point| point[EQUIVALENT] == 0.0)
     }
 
-    /// Nothing has yet. Errors: a group of cells without a material.
+    /// Zero plastic strains. Errors: a group of cells without a material.
     pub fn nothing<const D: usize>(body: &Body<D>, analysis: Analysis) -> Result<Self, FemError> {
         let points = points(body, analysis)?;
         Ok(Self(vec![
@@ -284,8 +283,8 @@ impl Yielded {
         Ok(points.map(|own| &self.0[own.range]).collect())
     }
 
-    /// What has yielded under nodal displacements at a time, where this had yielded before. With the first point that yields a body
-    /// flows, and its cells give way as `volume.rs` says. Mean stress has no part in what yields: these displacements alone tell it.
+    /// The plastic strains under nodal displacements at a time, from these of before. With the first point that yields a body flows, and
+    /// its cells change volume as in `volume.rs`. Yielding does not depend on the mean stress: these displacements alone determine it.
     ///
     /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
     pub fn returned<const D: usize>(
@@ -332,7 +331,7 @@ impl Yielded {
         Ok(after)
     }
 
-    /// What has been done from `before` to here, under nodal displacements at a time.
+    /// The increment from `before` to here, under nodal displacements at a time.
     ///
     /// Errors: those of [`Self::returned`].
     pub fn since<const D: usize>(
@@ -408,7 +407,7 @@ impl Yielded {
                     let [whole, borne] = [largest(whole.into_iter().map(norm)), largest(borne)];
                     let [least, most] = SCALES.map(|part| part * borne);
                     let least = if volume > 0.0 { least } else { 0.0 };
-                    // no `clamp`: what runs away may be no number
+                    // no `clamp`: displacements that run away may give NaN
                     done.force = done.force.max(whole.min(most).max(least));
                 }
             }
@@ -416,7 +415,7 @@ impl Yielded {
         Ok(done)
     }
 
-    /// What is more here than elsewhere.
+    /// The difference to other plastic strains.
     pub fn less(mut self, other: Option<&Self>) -> Self {
         let both = self.0.iter_mut().zip(other.into_iter().flat_map(|o| &o.0));
         for (own, other) in both {
@@ -425,7 +424,7 @@ impl Yielded {
         self
     }
 
-    /// ∫ Cε_p·∇Nₐ dV, what the plastic strain adds to the load, (nodes,), in global axes.
+    /// ∫ Cε_p·∇Nₐ dV, the load of the plastic strain, (nodes,), in global axes.
     ///
     /// Errors: a group of cells without a material.
     pub fn forces<const D: usize>(
@@ -450,7 +449,7 @@ impl Yielded {
     }
 }
 
-/// The largest of some numbers ≥ 0; zero where there is none.
+/// The largest of some numbers ≥ 0; zero without any.
 fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }
@@ -475,7 +474,7 @@ pub(crate) fn add_cell<const D: usize>(
     }
 }
 
-/// Adds what a stress at a point of a cell does at its nodes, σ·∇Nₐ dV.
+/// Adds the nodal forces of a stress at a point of a cell, σ·∇Nₐ dV.
 fn add_stress<const D: usize>(
     cells: &Cells<'_, D>,
     (cell, q): (&[u32], usize),
@@ -492,7 +491,7 @@ fn add_stress<const D: usize>(
     }
 }
 
-/// Strain that is no elastic one: the plastic one, and the change of volume that is not resisted.
+/// Inelastic strain: the plastic one, and the change of volume that is not resisted.
 fn inelastic(point: &Strained) -> [f64; 6] {
     std::array::from_fn(|c| point[c] + if c < 3 { point[7] / 3.0 } else { 0.0 })
 }
@@ -502,7 +501,7 @@ pub(crate) fn plastic_stress(lame: Lame, analysis: Analysis, point: &Strained) -
     lame.stress_of(inelastic(point), analysis)
 }
 
-/// Sets what is not resisted of the change of volume at the points of a cell under nodal displacements.
+/// Sets the unresisted change of volume at the points of a cell under nodal displacements.
 fn give_way<const D: usize>(
     cells: &Cells<'_, D>,
     cell: &[u32],

@@ -5,11 +5,11 @@
 //!   K += ∫ NᵀCN dS,      f += ∫ NᵀC u_a dS,     C the tensor above
 //! ```
 //!
-//! u_a is the displacement at which a spring came, which it does without a force. A bed that only presses bears along the
-//! normal by a condition of its own (`model/links.rs`); here it has its tangential part alone. n is the normal of what the side
-//! stands for (`fem/surface.rs`), so that a bed along the radius does not resist a spin.
+//! u_a is the displacement at which a spring came, without a force. A bed that only presses bears along the normal by a
+//! condition of its own (`model/system/bed.rs`); here it has only its tangential part. n is the normal of the surface behind
+//! the side (`fem/surface.rs`), so that a bed along the radius does not resist a spin.
 //!
-//! Units: kₙ, kₜ force per area and length, with the thickness or 2πr coming on top; k_i force per length.
+//! Units: kₙ, kₜ force per area and length, to be multiplied by the thickness or 2πr; k_i force per length.
 
 use crate::fem::cells::measure;
 use crate::fem::error::FemError;
@@ -43,12 +43,12 @@ pub enum Bed<const D: usize> {
     },
 }
 
-/// A spring between a body and what does not move.
+/// A spring between a body and fixed ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spring<const D: usize> {
     /// Where and how stiff.
     pub bed: Bed<D>,
-    /// When it is there. One that comes later than its body holds nothing where it finds it.
+    /// When it is present. One that comes later than its body has no force at the displacements of that time.
     pub active: Active,
 }
 
@@ -61,7 +61,7 @@ impl<const D: usize> Spring<D> {
         }
     }
 
-    /// The side and the stiffness along its normal of one that only presses.
+    /// The side and the normal stiffness of a bed that only presses.
     pub(crate) fn presses(&self) -> Option<(&str, f64)> {
         match &self.bed {
             Bed::Side {
@@ -87,7 +87,7 @@ impl<const D: usize> Spring<D> {
         }
     }
 
-    /// Force per area of a side's spring where it is stretched by a displacement, without what only presses.
+    /// Force per area of a side's spring stretched by a displacement, without a normal part that only presses.
     pub(crate) fn traction(&self, n: Point<D>, stretched: Point<D>) -> Point<D> {
         let [normal, across] = self.of_side();
         let along = add_scaled([0.0; D], (across - normal) * dot(n, stretched), n);
@@ -192,7 +192,7 @@ pub(crate) fn spring_stiffness<const D: usize>(
     Ok(sums.into_iter().map(|((i, j), v)| (i, j, v)).collect())
 }
 
-/// What a spring of a body takes to be displaced, (nodes,), in global axes: ∫ NᵀCu dS.
+/// Nodal forces that displace a spring of a body, (nodes,), in global axes: ∫ NᵀCu dS.
 fn force<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
@@ -211,7 +211,7 @@ fn force<const D: usize>(
     Ok(forces)
 }
 
-/// What each spring of a body takes to be displaced, (nodes,), in global axes: K u of its own.
+/// Nodal forces that displace each spring of a body, (nodes,), in global axes: its own K u.
 pub(crate) fn spring_forces<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
@@ -223,7 +223,7 @@ pub(crate) fn spring_forces<const D: usize>(
         .collect()
 }
 
-/// The load of each spring that came later, (nodes,), with its place: K u_a of its own, by which it bears nothing at u_a.
+/// The load of each spring that came later, (nodes,), with its place: its own K u_a, so that it has no force at u_a.
 pub(crate) fn spring_loads<const D: usize>(
     (body, history): (&Body<D>, &History<D>),
     analysis: Analysis,
@@ -245,8 +245,8 @@ pub(crate) struct Pad<const D: usize> {
     pub extent: f64,
 }
 
-/// The points at which a side is bedded by springs that only press: the fewest whose springs, where all of them press, are the
-/// stiffness ∫ NᵀCN dS of straight facets.
+/// The points at which a side is bedded by springs that only press: the fewest that, if all press, give the stiffness ∫ NᵀCN dS
+/// of straight facets.
 ///
 /// Errors: an unknown or empty side.
 pub(crate) fn pads<const D: usize>(
@@ -270,10 +270,10 @@ pub(crate) fn pads<const D: usize>(
     Ok(points.map(pad).collect())
 }
 
-/// A direction that something holds at a place: nodes with their shape functions there, and the unit vector.
+/// A held direction at a place: nodes with their shape functions there, and the unit vector.
 pub(crate) type Direction<const D: usize> = (Vec<(usize, f64)>, Point<D>);
 
-/// The directions in which springs hold a body, wherever they act: what has no part of any of these stretches nothing.
+/// The directions in which springs hold a body, at all their places: a motion orthogonal to all of them stretches no spring.
 ///
 /// Errors: unknown or empty sides, points off the body.
 pub(crate) fn sprung_directions<const D: usize>(

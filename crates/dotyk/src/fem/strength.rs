@@ -1,19 +1,19 @@
-//! How near a stress is to what a material can bear: its utilisation, 1 at failure, of the four usual criteria.
+//! Utilisation of a material by a stress, 1 at failure, by the four usual criteria.
 //!
 //! With the principal stresses σ₁ ≥ σ₂ ≥ σ₃ counted positive in compression (the tensor itself has tension positive) a criterion
-//! is one or two demands beside their capacities, and the utilisation the largest demand / capacity:
+//! consists of one or two demands with their capacities, and the utilisation is the largest demand / capacity:
 //!
 //! ```text
-//!   von Mises         σᵥ beside the yield stress
-//!   principal         σ₁ beside the compressive strength,        −σ₃ beside the tensile strength
-//!   Mohr–Coulomb      σ₁ − σ₃ beside (σ₃ + c cot φ) 2 sin φ/(1 − sin φ),   −σ₃ beside the tensile strength, at most c cot φ
-//!   Hoek–Brown        σ₁ − σ₃ beside σ_ci (m_b σ₃/σ_ci + s)^a,   −σ₃ beside s σ_ci/m_b
+//!   von Mises         σᵥ to the yield stress
+//! principal         σ₁ to the compressive strength,        −σ₃ to the tensile strength
+//! Mohr–Coulomb      σ₁ − σ₃ to (σ₃ + c cot φ) 2 sin φ/(1 − sin φ),   −σ₃ to the tensile strength, at most c cot φ
+//! Hoek–Brown        σ₁ − σ₃ to σ_ci (m_b σ₃/σ_ci + s)^a,   −σ₃ to s σ_ci/m_b
 //! ```
 //!
 //! The capacity of σ₁ − σ₃ is σ₁f(σ₃) − σ₃, the diameter of the circle of Mohr that fails with the same σ₃. It is negative beyond
 //! the apex of the criterion: there the utilisation is infinite. The intermediate principal stress counts for von Mises alone;
 //! in plane strain any of the three may be the one across the plane.
-//! Nothing yields: this judges an elastic stress.
+//! It judges an elastic stress, without yielding.
 //!
 //! Source: E. Hoek, C. Carranza-Torres, B. Corkum, Hoek–Brown failure criterion, 2002 edition, Proc. NARMS-TAC (2002), as described
 //! in textbooks of rock mechanics; J. C. Jaeger, N. G. W. Cook, R. W. Zimmerman, Fundamentals of Rock Mechanics, for Coulomb's.
@@ -21,7 +21,7 @@
 use crate::fem::error::FemError;
 use crate::fem::stress::{principal, von_mises};
 
-/// What a material can bear. Strengths are stresses, all of them counted positive.
+/// The strength of a material. Strengths are stresses, all of them counted positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Strength {
     /// Von Mises.
@@ -58,7 +58,7 @@ pub enum Strength {
     },
 }
 
-/// By how much more than the apex a tensile strength may be: that of numbers typed with ten digits.
+/// Relative tolerance of a tensile strength above the apex: that of numbers typed with ten digits.
 const TYPED: f64 = 1e-9;
 
 impl Strength {
@@ -76,8 +76,8 @@ impl Strength {
         ratios[0].max(ratios[1])
     }
 
-    /// By how much the stress exceeds the strength, in the unit of stress: of the sign of utilisation − 1, and continuous where
-    /// that is not.
+    /// Excess of the stress over the strength, in the unit of stress: with the sign of utilisation − 1, and continuous where that
+    /// is not.
     pub fn excess(&self, stress: [f64; 6]) -> f64 {
         let [first, second] = self
             .demands(stress)
@@ -119,14 +119,14 @@ impl Strength {
         }
     }
 
-    /// Its constants are such as a material may have.
+    /// Checks that its constants are in their ranges.
     ///
     /// Errors: [`FemError::Material`] with the key of the case file that is out of range.
     pub fn check(&self) -> Result<(), FemError> {
         let out = |name: &'static str, value: f64, range: &'static str| {
             Err(FemError::Material { name, value, range })
         };
-        // NaN is none of these
+        // false for NaN
         let positive = |name: &'static str, value: f64| match value > 0.0 && value.is_finite() {
             true => Ok(()),
             false => out(name, value, "it must be positive"),
@@ -280,7 +280,7 @@ mod tests {
     };
 
     fn close(found: f64, expected: f64) {
-        // twelve digits, what the bisection and the principal stresses know
+        // twelve digits, the accuracy of bisection and principal stresses
         let off = (found - expected).abs();
         assert!(off <= 1e-12 * expected.abs().max(1.0), "{found} {expected}");
     }
@@ -346,7 +346,7 @@ mod tests {
             assert_eq!(strength.utilisation(beyond), f64::INFINITY);
             assert!(strength.excess(beyond) > 0.0);
         }
-        // no cohesion: nothing is borne without confinement, a hydrostatic pressure is
+        // no cohesion: no stress is borne without confinement, but a hydrostatic pressure is
         let sand = Strength::MohrCoulomb {
             friction_angle: 30.0,
             cohesion: 0.0,
@@ -363,7 +363,7 @@ mod tests {
             tension: Some(0.5),
         };
         close(cut.utilisation(all(-1.0)), 2.0);
-        // no friction: Tresca, tension alone is no failure
+        // no friction: Tresca, tension alone is not a failure
         let tresca = Strength::MohrCoulomb {
             friction_angle: 0.0,
             cohesion: 2.0,
@@ -502,7 +502,7 @@ mod tests {
             ] {
                 let [a, b] = [one, other].map(|q| strength.utilisation(turned(compressions, q)));
                 let known = strength.utilisation(along_axes(compressions));
-                // beside the apex a rounding of σ₃ counts for much
+                // near the apex rounding of σ₃ has a large effect
                 let digits = 1e-12 * known.max(1.0) * known.max(1.0);
                 prop_assert!(a == b || ((a - known).abs() < digits && (b - known).abs() < digits), "{} {} {}", a, b, known);
             }

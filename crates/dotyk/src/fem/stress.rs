@@ -3,9 +3,9 @@
 //! In each cell the stress is sampled at the points where it is most accurate (the centre of a linear simplex, else the
 //! corners drawn towards the centre: three points in a quadratic triangle, four in a quadratic tetrahedron, 2 × 2 (× 2) in
 //! quadrilaterals and hexahedra, 3 × 2 in prisms), extrapolated to the
-//! nodes by the linear function through the samples and averaged there with the cells' volumes, those of each material by
-//! themselves. Where something has yielded the stress is known at the points of the stiffness: these are the samples, and the linear
-//! function is the one nearest to them.
+//! nodes by the linear function through the samples and averaged there with the cells' volumes, separately for each material.
+//! In bodies that have yielded the stress is known at the points of the stiffness: these are the samples, and the linear function
+//! is the one nearest to them.
 
 use crate::fem::block::{Cells, Deformation};
 use crate::fem::borders::Borders;
@@ -22,7 +22,7 @@ use crate::mesh::{CellKind, Mesh};
 use rayon::prelude::*;
 
 /// Recovered total stress (xx yy zz xy yz xz) at every place of a body ([`Borders`]) with the given nodal displacements at a
-/// time. An initial stress is taken there as it is given, the stress of an initial strain where that of the displacements is.
+/// time. An initial stress is evaluated at the places, the stress of an initial strain at the samples of the displacements.
 ///
 /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
 /// Source: J. Barlow's optimal sampling points, as described in finite-element textbooks.
@@ -35,7 +35,7 @@ pub fn recover_stress<const D: usize>(
     recover_yielded_stress((body, analysis), displacement, time, None)
 }
 
-/// The same of a body of which this has yielded.
+/// The same for a body with these plastic strains.
 ///
 /// Errors: those of [`recover_stress`].
 pub(crate) fn recover_yielded_stress<const D: usize>(
@@ -121,7 +121,7 @@ pub fn recover_spin<const D: usize>(
         .collect())
 }
 
-/// What has yielded at every place of a body.
+/// Yielding at every place of a body.
 pub(crate) struct YieldedFields {
     /// Plastic strain, xx yy zz xy yz xz, tensor components.
     pub strain: Vec<[f64; 6]>,
@@ -129,11 +129,11 @@ pub(crate) struct YieldedFields {
     pub equivalent: Vec<f64>,
     /// Mean of `cells` around.
     pub share: Vec<f64>,
-    /// By cell, block by block: the share of its points at which that has grown.
+    /// By cell, block by block: the share of its points at which it has grown.
     pub cells: Vec<f64>,
 }
 
-/// What has yielded of a body, and since `before`, as [`recover_stress`]; shares are means over cells.
+/// Plastic strains of a body, and the growth since `before`, as [`recover_stress`]; shares are means over cells.
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn recover_yielded<const D: usize>(
@@ -180,21 +180,21 @@ pub(crate) fn recover_yielded<const D: usize>(
     let share = of_points(Samples::MeansOfStiffness, &|at| [of_cell(at); 6])?;
     Ok(YieldedFields {
         strain,
-        // beside the border of what has yielded a linear function may swing
+        // near the border of the plastic zone a linear function may become negative
         equivalent: first(sizes).into_iter().map(|own| own.max(0.0)).collect(),
         share: first(share),
         cells: cells.concat(),
     })
 }
 
-/// Where in a cell something is sampled.
+/// Sampling points in a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Samples {
     /// Where elastic stresses are most accurate.
     Best,
     /// At the points of the stiffness.
     OfStiffness,
-    /// There, and the mean counts for all of the cell.
+    /// At these points, and the mean counts for the whole cell.
     MeansOfStiffness,
 }
 
@@ -206,7 +206,7 @@ struct Sample {
     place: usize,
 }
 
-/// Values of what is `local` to a material, a sample and a deformation, at every place.
+/// Recovers, at every place, values given by `local` for a material, a sample and a deformation.
 fn recover<const D: usize>(
     (body, analysis): (&Body<D>, Analysis),
     (displacement, time): (&[Point<D>], f64),
@@ -363,12 +363,12 @@ pub fn von_mises(s: [f64; 6]) -> f64 {
 
 /// Principal stresses of (xx yy zz xy yz xz), largest first.
 ///
-/// By Jacobi's rotations, each of which makes one of the shears zero: to rounding of the largest component, equal ones, too, of
-/// which the characteristic equation knows half the digits.
+/// By Jacobi's rotations, each of which makes one of the shears zero: accurate to rounding of the largest component, also for equal
+/// values, of which the characteristic equation gives half the digits.
 /// Source: as described in G. H. Golub and C. F. Van Loan, Matrix Computations, section 8.5.
 pub fn principal(s: [f64; 6]) -> [f64; 3] {
     let mut values = [s[0], s[1], s[2]];
-    // of the axes that follow each one: yz, zx, xy
+    // for each axis the shear of the two that follow: yz, zx, xy
     let mut shears = [s[4], s[5], s[3]];
     let least = 1e-3 * f64::EPSILON * s.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
     for step in 0..3 * SWEEPS {

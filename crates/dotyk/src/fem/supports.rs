@@ -4,8 +4,8 @@
 //! which they are written; a dependent one must agree with the earlier ones, else it is a contradiction.
 //!
 //! Both are sums of terms that may cancel: a roller across a prescribed displacement follows as Σ (a·aₖ) vₖ = 0, and a value is an
-//! expression at coordinates with rounding. So two agree when they differ by no more than a part of the *terms*: of those of the
-//! sum, of those that each vₖ is itself left of, and of the largest value that a support prescribes anywhere.
+//! expression at coordinates with rounding. So two agree if they differ by at most a part of the *terms*: those of the sum, the
+//! terms of each vₖ itself, and the largest value that a support prescribes anywhere.
 
 use crate::fem::error::{FemError, show};
 use crate::fem::nouns::{Analysis, Body, History, Place};
@@ -24,7 +24,7 @@ pub struct Held<const D: usize> {
     pub terms: f64,
     /// It is zero at all times.
     pub still: bool,
-    /// Indices of the body's supports that ask for it; none where the axis of symmetry alone does.
+    /// Indices of the body's supports that hold it; empty where only the axis of symmetry does.
     pub supports: Vec<usize>,
 }
 
@@ -41,11 +41,11 @@ const PARALLEL: f64 = 1e-8;
 /// Two values at a node that differ by no more than this part of their terms are the same.
 pub(crate) const AGREE: f64 = 1e-9;
 
-/// A displacement along a direction as a support says it.
+/// A displacement along a direction as a support prescribes it.
 #[derive(Clone, Copy)]
 struct Prescribed {
     value: f64,
-    /// The largest value that the support prescribes, and what its value is left of.
+    /// The size of the terms of its value, at least the largest value that the support prescribes.
     terms: f64,
     /// It is zero at all times.
     still: bool,
@@ -111,7 +111,7 @@ impl<const D: usize> Constraints<D> {
             }
             for &node in &nodes {
                 for (direction, field) in directions(node) {
-                    // one that came later holds the node where it was
+                    // a support that came later holds the node at its displacement of that time
                     let was = placed.map(|placed| placed[node]);
                     let prescribed = Prescribed {
                         value: value(node, field)? + was.map_or(0.0, |u| dot(u, direction)),

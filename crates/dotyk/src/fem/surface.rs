@@ -1,18 +1,18 @@
-//! What the facets of a side stand for: the true surface behind them, and their normals.
+//! The surface behind the facets of a side, and its normals.
 //!
-//! The normal of a facet is off that of a curve by up to half the angle between two facets. A ring on radial springs then seems
-//! to be held against spinning: its facets are pressed on one half and lifted on the other, and the energy of that, a part of
-//! (half angle)²/3 of what springs in all directions would store, is nothing but an error of the mesh. So springs act along the
-//! normals of the curve:
+//! The normal of a facet differs from that of a curve by up to half the angle between two facets. A ring on radial springs then
+//! seems to be held against spinning: its facets are pressed on one half and lifted on the other. The energy of that, the part
+//! (half angle)²/3 of the energy of springs in all directions, is an error of the mesh. So springs act along the normals of the
+//! curve:
 //!
 //! * of the true surface where it is known;
-//! * else between nodes interpolated, and at nodes the sum of the normals n of what meets there, weighted by 1/L with the lengths L
-//!   of edges in the plane, by sin α/(L₁L₂) with the edges of corners in space. On circles, spheres and cylinders along whose
-//!   axis edges run, of facets as different as they may be, that is the radius: for chords of the angles 2a and 2b, of
-//!   lengths 2R sin a and 2R sin b, the normals' parts along the tangent are −sin a/(2R sin a) + sin b/(2R sin b) = 0. And what
-//!   is along the radius x/R at nodes is so between them. At the end of a line its last edge bends as at its other end.
+//! * else interpolated between nodes, and at nodes the sum of the normals n of the facets that meet there, weighted by 1/L with the
+//! lengths L of edges in the plane, by sin α/(L₁L₂) with the edges of corners in space. On circles, on spheres, and on cylinders
+//! with edges along the axis, that is the radius however different the facets are: for chords of the angles 2a and 2b, of
+//! lengths 2R sin a and 2R sin b, the normals' parts along the tangent are −sin a/(2R sin a) + sin b/(2R sin b) = 0. Normals
+//! along the radius x/R at nodes are so between them. At the end of a line its last edge bends as at its other end.
 //!
-//! A motion along such a surface is then resisted by nothing, to rounding, and one across it by the whole spring, however weak.
+//! A motion along such a surface is then not resisted, to rounding, and one across it by the whole spring, however weak.
 //! Facets that meet at a sharp corner keep their own normals.
 //!
 //! Source of the weights: N. Max, Weights for computing vertex normals from facet normals, J. Graphics Tools 4 (1999) 1–6.
@@ -24,20 +24,20 @@ use crate::geometry::{Point, Surface, add_scaled, cross, dot, norm, padded, sub,
 use crate::mesh::{CellKind, Facet, MAX_FACET_NODES, Mesh, SHARP};
 use std::collections::BTreeMap;
 
-/// What is given as the surface behind a side; `None`: its facets are what it is.
+/// The given surface behind a side; `None`: its facets are the true surface.
 type Behind<const D: usize> = Option<Surface<D>>;
 
-/// The true surface of a side, facet by facet: the one that is given for the side, or for another side of the body that the
-/// facet belongs to, or what the mesh knows.
+/// The true surface of a side, facet by facet: the one given for the side, or for another side of the body with that facet, or
+/// the one that the mesh knows.
 pub(crate) struct TrueSurface<'a, const D: usize> {
     own: Option<Behind<D>>,
-    /// Facets of the body's other sides that a surface is given for.
+    /// Facets of the body's other sides with a given surface.
     around: Vec<(&'a [Facet], Behind<D>)>,
     mesh: &'a Mesh<D>,
 }
 
 impl<'a, const D: usize> TrueSurface<'a, D> {
-    /// That of a side of a body.
+    /// The true surface of a side of a body.
     pub fn of(body: &'a Body<D>, side: &str) -> Self {
         let whole = |side: &str| body.mesh.side(side).unwrap_or_default();
         let around = body.surfaces.iter();
@@ -50,7 +50,7 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
         }
     }
 
-    /// What is given for a facet.
+    /// The given surface of a facet.
     pub fn given(&self, facet: Facet) -> Option<Behind<D>> {
         let mut around = self.around.iter();
         let belongs = |side: &[Facet]| side.binary_search(&facet).is_ok();
@@ -62,18 +62,18 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
         self.own.or_else(found)
     }
 
-    /// The surface behind a facet; `None` where nothing is known.
+    /// The surface behind a facet; `None` if it is not known.
     pub fn at(&self, facet: Facet) -> Option<Surface<D>> {
         self.given(facet).unwrap_or_else(|| self.mesh.curve(facet))
     }
 
-    /// Outward unit normal at ξ of a facet: that of the surface behind it, or its own; zero where it has none.
+    /// Outward unit normal at ξ of a facet: that of the surface behind it, or its own; zero for a degenerate facet.
     pub fn normal(&self, facet: Facet, xi: &[f64]) -> Point<D> {
         let own = unit(self.mesh.outward_normal(facet, xi)).unwrap_or([0.0; D]);
         self.along(facet, xi, own)
     }
 
-    /// The normal of the surface behind a facet at ξ, the way that another one points; else that.
+    /// The normal of the surface behind a facet at ξ, oriented like `other`; without a surface `other`.
     pub fn along(&self, facet: Facet, xi: &[f64], other: Point<D>) -> Point<D> {
         let surface = self.at(facet);
         let behind = surface.and_then(|s| s.normal(self.mesh.facet_point(facet, xi)));
@@ -84,7 +84,7 @@ impl<'a, const D: usize> TrueSurface<'a, D> {
 /// Outward unit normals of a side along which its springs act.
 pub(crate) struct SideNormals<'a, const D: usize> {
     surface: TrueSurface<'a, D>,
-    /// At the nodes of facets behind which no surface is known.
+    /// Normals at the nodes of facets without a known surface.
     at_nodes: BTreeMap<Facet, [Point<D>; MAX_FACET_NODES]>,
 }
 
@@ -92,12 +92,12 @@ pub(crate) struct SideNormals<'a, const D: usize> {
 type Part<const D: usize> = (Facet, Point<D>, f64);
 
 impl<'a, const D: usize> SideNormals<'a, D> {
-    /// Those of a side of a body. Errors: an unknown or empty side.
+    /// The normals of a side of a body. Errors: an unknown or empty side.
     pub fn new(body: &'a Body<D>, side: &str) -> Result<Self, FemError> {
         let mesh = &body.mesh;
         let surface = TrueSurface::of(body, side);
         let facets = side_facets(mesh, side)?.iter().copied();
-        // a given side without a surface is what its facets are
+        // a side given without a surface is its facets
         let smooth = facets.filter(|&f| surface.given(f).is_none() && mesh.curve(f).is_none());
         let smooth: Vec<Facet> = smooth.collect();
         let mut around: BTreeMap<u32, Vec<Part<D>>> = BTreeMap::new();
@@ -233,7 +233,7 @@ mod tests {
                     let radius = unit([x - 3.0, y]).unwrap();
                     let off = norm(sub(normals.at(facet, &[xi]), radius));
                     assert!(off < 1e-14, "{cell:?} {xi}: {off:.1e}");
-                    // the facet itself is off
+                    // the normal of the facet itself is off
                     let own = unit(body.mesh.outward_normal(facet, &[-1.0])).unwrap();
                     assert!(norm(sub(own, normals.at(facet, &[-1.0]))) > 1e-5);
                 }

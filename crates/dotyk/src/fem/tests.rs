@@ -1,4 +1,4 @@
-//! One body by itself: what is held, what moves, what loads do, what is stored and which stress is told.
+//! A single body: supports, rigid motions, loads, energies and recovered stresses.
 //!
 //! Lengths and moduli are of size one: tolerances of 1e-13 and 1e-12 are rounding of sums of some hundred numbers.
 
@@ -248,7 +248,7 @@ fn analyses_of_another_dimension_are_refused() {
     let names = PLANES.map(Analysis::name);
     assert_eq!(names, ["plane-strain", "plane-stress", "axisymmetric"]);
     assert_eq!(Analysis::Solid.name(), "3d");
-    // what a plane surface of it feels: 2.6/(1 − 0.09)
+    // the plane modulus: 2.6/(1 − 0.09)
     near(ELASTIC.plane_modulus(), 2.857_142_857_142_857, 1e-15);
 }
 
@@ -448,7 +448,7 @@ fn turned_nodes_keep_energy_loads_and_modes_and_held_ones_stay() {
         near(*a, b, 1e-15);
     }
     for &node in turned.frames.keys() {
-        // beside it a coefficient that is rounding
+        // and a coefficient that is rounding
         let row = [(node, oblique.map(|c| 2.0 * c)), (node, [1e-14, 0.0, 0.0])];
         let row: Vec<(usize, f64)> = turned.row_in_frames(&row).collect();
         assert_eq!((row.len(), row[0].0), (1, 3 * node));
@@ -509,13 +509,13 @@ fn a_node_with_one_oblique_direction_has_a_frame_whatever_else_holds_it() {
         near(system.frames[node][0][2].abs(), 1.0, 1e-15);
     }
     assert_eq!(both.count(), 3);
-    // what slides along the oblique face
+    // the motion along the oblique face
     assert_eq!(system.modes.len(), 1);
 }
 
 #[test]
 fn prescribed_displacements_are_a_rigid_motion_and_a_rest() {
-    // all ends move as one: nothing is left
+    // all ends move as one: no strain remains
     let mut moved = body(rectangle(CellKind::Quad4, [2, 2]));
     moved.supports = vec![
         on_side("left", [Some(2.0), Some(-1.0)]),
@@ -542,7 +542,7 @@ fn prescribed_displacements_are_a_rigid_motion_and_a_rest() {
         assert_eq!(system.held[2 * n], lift != 0.0);
         assert_eq!(system.held[2 * n + 1], left);
         near(system.carried[2 * n], 3.0, 1e-13);
-        // the motion that carries is fitted to all that is held
+        // the carried motion is fitted to all held dofs
         if left {
             near(
                 system.carried[2 * n + 1] + system.lift[2 * n + 1],
@@ -587,7 +587,7 @@ fn motions_that_fit_turns_are_turns() {
         near(u[0], 0.1, 1e-14);
         near(u[1], 0.0, 1e-14);
     }
-    // of one held point nothing tells a turn
+    // one held point determines no rotation
     body.supports = vec![at_point([1.0, 0.0], [Some(0.0), Some(0.0)])];
     let constraints = supported(&body, Analysis::PlaneStrain).unwrap();
     let carried = carried_motion(&body.mesh, &constraints, RigidBasis::Full);
@@ -640,7 +640,7 @@ fn what_is_rigid_moves_where_nothing_holds_it() {
     assert_eq!((point.load.len(), point.largest_load), (4, 6.0));
     assert_eq!(point.held, [false, true, true, true]);
     assert_eq!(point.modes, [[1.0, 0.0, 0.0, 0.0]]);
-    // it strains nothing: it is carried along
+    // it causes no strain: it is carried along
     let values = vec![0.0, 0.1, -0.2, 0.0];
     assert_eq!((&point.prescribed, &point.carried), (&values, &values));
     assert_eq!(point.lift, [0.0; 4]);
@@ -742,7 +742,7 @@ fn supports_leave_free_what_they_do_not_hold() {
         ),
         0
     );
-    // rollers across each other leave a turn about nothing
+    // rollers across each other leave no rotation
     let rollers = vec![roller("left", 0.0), roller("bottom", 0.0)];
     assert_eq!(free(mesh(), PlaneStrain, rollers), 0);
     // in whatever unit lengths are given
@@ -1197,7 +1197,7 @@ fn supports_whose_terms_cancel_agree_to_the_rounding_of_these() {
         apart[2] = roller("left", 1e-8 * 0.01);
         assert!(new(apart, angle).is_err(), "{angle}");
     }
-    // a value that is nothing but rounding of those beside it
+    // a value that is only rounding of those beside it
     let mut rest = on_side("left", [Some(0.0), None]);
     let field = Field::function("0.01*(y - y0)", |[_, y, _], _| 0.01 * y + 1e-18);
     rest.components[0] = Some(field);
@@ -1224,7 +1224,7 @@ fn an_oblique_condition_counts_beyond_those_that_hold_already() {
     near(u[1], 0.2, 1e-14);
     near((u[1] - u[0]) / 2f64.sqrt(), 0.1, 1e-14);
     near(held[1].axis[0], -1.0, 1e-14);
-    // zero at all times only where what it depends on is
+    // zero at all times only if its terms are
     assert_eq!([held[0].still, held[1].still], [false; 2]);
     let still = |first: f64, second: f64| {
         let mut body = body.clone();
@@ -1241,7 +1241,7 @@ fn an_oblique_condition_counts_beyond_those_that_hold_already() {
     assert_eq!(still(0.0, 0.0), [true, true]);
     assert_eq!(still(0.0, 0.1), [true, false]);
     assert_eq!(still(0.2, 0.0), [false, false]);
-    // across each other they do not matter to each other
+    // perpendicular supports do not interact
     body.supports = vec![on_side("bottom", [Some(0.0), Some(0.2)])];
     let held = new(&body).unwrap().at(0).to_vec();
     assert_eq!([held[0].still, held[1].still], [true, false]);

@@ -1,15 +1,15 @@
-//! How the volume of a cell may change that flows.
+//! Change of volume of cells that flow plastically.
 //!
-//! Metal flows at constant volume. Asked for at every point of a quadrilateral or hexahedron of second order, 9 or 27 of them, that
-//! leaves its nodes no motion to flow with: such cells lock, and bear any load. So they resist the linear part θ̄ of their change of
-//! volume θ = ∇·u alone,
+//! Metal flows at constant volume. If that held at every point of a quadrilateral or hexahedron of second order, 9 or 27 of them, its
+//! nodes would have no motion to flow with: such cells lock, and bear any load. So they resist only the linear part θ̄ of their change
+//! of volume θ = ∇·u,
 //!
 //! ```text
 //!   σ = C(ε − ε_p − ⅓(θ − θ̄) I),        θ̄ = the linear function of the cell nearest to θ in ∫(θ − θ̄)² dV
 //! ```
 //!
 //! Their mean stress is linear then, does work on θ̄ alone, ∫ p̄ ∇·v dV = ∫ p̄ θ̄(v) dV, and the forces are those of a convex energy
-//! that is nowhere more than the elastic one. Other cells have no more points than motions, or are of first order and told to lock.
+//! that is nowhere more than the elastic one. Other cells have no more points than motions, or are of first order and reported to lock.
 //!
 //! Source: J. C. Nagtegaal, D. M. Parks, J. R. Rice, Comput. Methods Appl. Mech. Engrg. 4 (1974) 153–177; the linear mean stress as
 //! described in T. J. R. Hughes, The Finite Element Method, section 4.4.
@@ -19,14 +19,14 @@ use crate::mesh::CellKind;
 /// Most points of the stiffness of a cell.
 pub(crate) const MOST: usize = 27;
 
-/// Cells whose volume need not follow all of their displacements where they flow.
+/// Cells that resist only the linear part of their change of volume where they flow.
 pub(crate) fn gives_way(kind: CellKind) -> bool {
     use CellKind::*;
     matches!(kind, Quad8 | Quad9 | Hex20 | Hex27)
 }
 
-/// Takes from values at points of a cell, given by their reference coordinates, of which `dimension` count, and their volumes, the
-/// linear function that is nearest to them.
+/// Subtracts from values at points of a cell the linear function nearest to them; the points are given by their volumes and reference
+/// coordinates, of which `dimension` count.
 pub(crate) fn take_linear(
     dimension: usize,
     (places, volumes): (&[[f64; 3]], &[f64]),
