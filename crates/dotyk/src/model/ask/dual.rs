@@ -4,7 +4,8 @@
 use crate::dual::{Certificate, Compliance, Multipliers};
 use crate::geometry::Point;
 use crate::linalg::SparseMatrix;
-use crate::model::march::attempt::{Attempt, Start, certified_attempt};
+use crate::model::march::attempt::{Attempt, Start};
+use crate::model::march::equilibrate::certified;
 use crate::model::march::finish::finish;
 use crate::model::march::judge::{Judged, judge};
 use crate::model::march::objection::objection;
@@ -154,7 +155,7 @@ impl<const D: usize> Dual<D> {
         // the certificate may correct d for the rounding of the displacements; this problem keeps its own
         let shift = self.condensed.problem.shift.clone();
         let start = Start::default();
-        let solved = certified_attempt(&self.stage.model, &mut self.condensed, start, observe);
+        let solved = certified(&self.stage.model, &mut self.condensed, start, observe);
         self.condensed.problem.shift = shift;
         self.stage.model.to_mut().solver.method = own;
         let (attempt, judged) = solved?;

@@ -1,31 +1,23 @@
-//! The contact solver and the certificate, in turns until the certificate holds.
+//! One run of a method on the dual problem of a step, and why it has no answer.
 //!
-//! The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
-//! (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
-//! steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
-//! from there. Where an applied or sparse F is not enough (slender bodies), F is assembled after all.
-//! A solver from outside is called once, and its answer is judged as it is.
+//! Failing to converge is not yet an error: what follows from it is decided where all moves of a step are (`equilibrate.rs`). A
+//! solver from outside is called once.
 
-use crate::dual::{Certificate, Multipliers, NOT_OF_THE_SOLVER};
+use crate::dual::Multipliers;
 use crate::fem::show;
 use crate::geometry::{bounding_box, distance, norm, sub};
-use crate::model::march::judge::{Judged, judge};
 use crate::model::march::sliding::{slides_along, sliding};
 use crate::model::nouns::error::{Error, Objection};
 use crate::model::nouns::event::Event;
 use crate::model::nouns::model::{Bolts, Method, Model};
 use crate::model::nouns::solution::HistoryPoint;
-use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Condition, carriers};
 use crate::solve::{
     Accelerated, ContactSolver, FixedBounds, Foreign, Gradient, Iterate, Mprgp, Newton, Outcome,
-    Secant, SolveError, Uzawa, correction, loaded,
+    Secant, SolveError, Uzawa,
 };
 use std::ops::ControlFlow;
-
-/// Most corrections of an answer.
-const CORRECTIONS: usize = 8;
 
 /// One run of a method.
 pub(crate) struct Attempt<const D: usize> {
@@ -47,76 +39,36 @@ pub(crate) struct Start<'a> {
 
 impl<const D: usize> Attempt<D> {
     /// It began and did not converge.
-    fn unfinished(&self) -> bool {
+    pub fn is_unfinished(&self) -> bool {
         self.failure.is_some() && self.outcome.iterations > 0
     }
 
-    /// This run and one that went on from its answer.
-    pub fn followed_by(mut self, further: Self) -> Self {
+    /// Another run has gone on from its answer, or begun anew.
+    pub fn follow(&mut self, further: Self) {
+        let mut outcome = further.outcome;
         let done = self.outcome.iterations;
-        self.history
-            .extend(further.history.iter().map(|h| HistoryPoint {
-                iteration: done + h.iteration,
-                ..*h
-            }));
-        let (iterations, products) = (
-            done + further.outcome.iterations,
-            self.outcome.products + further.outcome.products,
-        );
-        let bolts = self
-            .outcome
-            .bolts
-            .into_iter()
-            .filter(|bolt| bolt.moved)
-            .chain(further.outcome.bolts)
-            .collect();
-        let outcome = Outcome {
-            iterations,
-            products,
-            bolts,
-            ..further.outcome
-        };
-        Self {
-            method: further.method,
-            outcome,
-            history: self.history,
-            failure: further.failure,
+        let later = further.history.iter().map(|point| HistoryPoint {
+            iteration: done + point.iteration,
+            ..*point
+        });
+        self.history.extend(later);
+        outcome.iterations += done;
+        outcome.products += self.outcome.products;
+        let moved = self.outcome.bolts.drain(..).filter(|bolt| bolt.moved);
+        outcome.bolts = moved.chain(outcome.bolts).collect();
+        (self.method, self.outcome, self.failure) = (further.method, outcome, further.failure);
+    }
+
+    /// This run behind others.
+    pub fn behind(self, before: Option<Self>) -> Self {
+        match before {
+            Some(mut before) => {
+                before.follow(self);
+                before
+            }
+            None => self,
         }
     }
-}
-
-/// Runs the solver until the certificate holds.
-///
-/// The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ
-/// (rounding of the factorisation in a slender body, another scale of the energy), Newton's answer is corrected by exact
-/// steps in increments, whose gaps are those of the displacements; then, and after other methods, the iteration goes on
-/// from there. Where an applied or sparse F is not enough (slender bodies), F is assembled after all, except for a crowd. The
-/// answer of a solver from outside is not corrected.
-pub(crate) fn certified_attempt<const D: usize>(
-    model: &Model<D>,
-    condensed: &mut Condensed<D>,
-    Start { own, guess }: Start<'_>,
-    observe: &mut dyn FnMut(Event),
-) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
-    let mut attempt = run(model, condensed, Start { own, guess }, observe)?;
-    if own.is_some() {
-        let judged = judge(model, condensed, &attempt.outcome, None)?;
-        return Ok((attempt, judged));
-    }
-    let method = model.solver.method;
-    let tolerance = model.solver.tolerance;
-    let exact = matches!(method, Method::Auto | Method::Newton);
-    let crowd = condensed.problem.is_crowd();
-    if exact && attempt.unfinished() && !crowd && condensed.problem.assemble(ASSEMBLED) {
-        let how = (method, tolerance, attempt.outcome.iterations);
-        let again = run_method(model, condensed, how, guess, observe)?;
-        attempt = attempt.followed_by(again);
-    }
-    let mut judged = judge(model, condensed, &attempt.outcome, None)?;
-    if exact {
-        (attempt, judged) = corrected(model, condensed, attempt, judged, observe)?;
-    }
-    continued(model, condensed, attempt, judged, observe)
 }
 
 /// Runs the method of the model, or a solver from outside, once.
@@ -135,115 +87,6 @@ pub(crate) fn run<const D: usize>(
             run_method(model, condensed, how, guess, observe)
         }
     }
-}
-
-/// Corrects an answer by exact steps in increments until its certificate holds; the best one counts.
-fn corrected<const D: usize>(
-    model: &Model<D>,
-    condensed: &Condensed<D>,
-    mut attempt: Attempt<D>,
-    judged: Judged<D>,
-    observe: &mut dyn FnMut(Event),
-) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
-    let solved = attempt.outcome.iterations > 0;
-    let most = model.solver.max_iterations.unwrap_or(usize::MAX);
-    let mut least = excess(&judged.certificate);
-    let mut best = (attempt.outcome, judged);
-    // the last one, where it is not the best
-    let mut last: Option<(Outcome, Judged<D>)> = None;
-    for _ in 0..CORRECTIONS {
-        let (outcome, judged) = last.as_ref().unwrap_or(&best);
-        if least <= 1.0 || !solved || outcome.iterations >= most {
-            break;
-        }
-        let known = (&judged.displaced.gaps[..], &judged.displaced.rounding[..]);
-        let Some(change) = correction(&condensed.problem, &outcome.multipliers, known) else {
-            break;
-        };
-        let outcome = outcome.corrected(&change);
-        let judged = judge(model, condensed, &outcome, Some((judged, &change.lambda)))?;
-        let left = excess(&judged.certificate);
-        let point = HistoryPoint {
-            iteration: outcome.iterations,
-            residual: left * model.solver.tolerance,
-            active: loaded(&outcome.multipliers.lambda),
-        };
-        observe(Event::Iteration(point));
-        attempt.history.push(point);
-        if left < least {
-            (least, best, last) = (left, (outcome, judged), None);
-        } else {
-            last = Some((outcome, judged));
-        }
-    }
-    if least <= 1.0 && (best.0.exact || is_unloaded(condensed, &best.0.multipliers.lambda)) {
-        attempt.failure = None;
-    }
-    let iterations = last.map_or(best.0.iterations, |(outcome, _)| outcome.iterations);
-    attempt.outcome = Outcome {
-        iterations,
-        ..best.0
-    };
-    Ok((attempt, best.1))
-}
-
-/// Forces below this part of the loads in their domain are rounding.
-const UNLOADED: f64 = 1e-13;
-
-/// Whether all forces are rounding: the contacts then bear no force, and a residual relative to it is meaningless.
-fn is_unloaded<const D: usize>(condensed: &Condensed<D>, lambda: &[f64]) -> bool {
-    let coupled = &condensed.problem.coupled;
-    let rows = lambda.iter().zip(&coupled.contact);
-    rows.into_iter().all(|(force, &contact)| {
-        force.abs() <= UNLOADED * coupled.scales[coupled.domain[contact]].force
-    })
-}
-
-/// Goes on from an answer whose certificate does not hold, with a tolerance smaller by its excess, and with d corrected so that
-/// the gap of the dual problem at its forces is the gap of the displacements.
-fn continued<const D: usize>(
-    model: &Model<D>,
-    condensed: &mut Condensed<D>,
-    mut attempt: Attempt<D>,
-    mut judged: Judged<D>,
-    observe: &mut dyn FnMut(Event),
-) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
-    let mut tolerance = model.solver.tolerance;
-    for _ in 0..3 {
-        let worst = excess(&judged.certificate);
-        if attempt.failure.is_some() || worst <= 1.0 {
-            break;
-        }
-        tolerance *= 0.5 / worst.min(1e3);
-        let guess = attempt.outcome.multipliers.clone();
-        let known = condensed.problem.gap(&guess);
-        let shift = condensed.problem.shift.iter_mut();
-        for ((d, gap), known) in shift.zip(&judged.displaced.gaps).zip(&known) {
-            *d -= gap - known;
-        }
-        let how = (model.solver.method, tolerance, attempt.outcome.iterations);
-        let further = run_method(model, condensed, how, Some(&guess), observe)?;
-        if further.failure.is_some() {
-            break;
-        }
-        let change = further.outcome.multipliers.lambda.iter().zip(&guess.lambda);
-        let change: Vec<f64> = change.map(|(after, before)| after - before).collect();
-        attempt = attempt.followed_by(further);
-        judged = judge(model, condensed, &attempt.outcome, Some((&judged, &change)))?;
-    }
-    Ok((attempt, judged))
-}
-
-/// The worst figure of a certificate over its limit, infinite with a NaN; figures that no solver can change are left out.
-fn excess(certificate: &Certificate) -> f64 {
-    let figures = certificate.figures().into_iter();
-    figures
-        .filter(|(name, _)| !NOT_OF_THE_SOLVER.contains(name))
-        .map(|(_, f)| f.relative / f.limit)
-        .fold(
-            0.0,
-            |s: f64, x| if x.is_nan() { f64::INFINITY } else { s.max(x) },
-        )
 }
 
 /// Runs one method to a tolerance on the condensed problem, with the iterations that the model still allows after those done;
@@ -486,6 +329,7 @@ mod tests {
     use crate::mesh::{CellKind, Diagonals, Rectangle};
     use crate::model::nouns::model::{CoupleKind, Elastic, Law};
     use crate::model::nouns::presence::Stage;
+    use crate::model::system::compliance::ASSEMBLED;
     use crate::model::system::condense::linearise;
     use crate::model::system::state::State;
     use std::sync::Arc;

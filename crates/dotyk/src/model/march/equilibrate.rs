@@ -1,31 +1,44 @@
-//! The loop of equilibrium: forces, displacements, their plastic strain and parted joints, and forces again, until the certificate
-//! holds.
+//! The loop of equilibrium: forces, displacements, what these ask for, and forces again, until the certificate holds and nothing
+//! is asked for.
 //!
 //! ```text
-//!   solve ─▶ judge ─▶ increments, a finer tolerance (attempt.rs)
-//!     ▲                 │  a joint that has parted on the way (torn.rs): without what it bore
-//!     └─────────────────┤  plastic strain that displacements return to (flow.rs): with its load
-//!                       ▼
-//!                     answer
+//!   solve ─▶ judge ─▶ F assembled after all       an applied or sparse F was not enough
+//!     ▲                an increment               an exact step whose gaps are those of the displacements
+//!     │                a finer tolerance          the iteration goes on, with d corrected by these gaps
+//!     │                a joint that has parted    without what it bore                                   torn.rs
+//!     └──────────────  plastic strain             that the displacements return to, with its load        flow.rs
 //! ```
 //!
-//! K, its factor, F and the pairs stay; only the driving terms change. A linear problem passes once.
+//! The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ (rounding of the
+//! factorisation in a slender body, another scale of the energy) the first three moves bring the forces nearer: they are taken in this
+//! order, each until it leads no further, and stay on one linear problem. The last two change what drives; K, its factor, F and the
+//! pairs stay. A linear problem passes once. A solver from outside is called once, and its answer is judged as it is.
 
-use crate::model::march::attempt::{Attempt, Start, certified_attempt};
+use crate::dual::{Certificate, NOT_OF_THE_SOLVER};
+use crate::model::march::attempt::{Attempt, Start, run, run_method};
 use crate::model::march::flow::Turns;
-use crate::model::march::judge::Judged;
+use crate::model::march::judge::{Judged, judge};
 use crate::model::march::torn::torn;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::Event;
-use crate::model::nouns::model::Model;
+use crate::model::nouns::model::{Method, Model};
+use crate::model::nouns::solution::HistoryPoint;
+use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::{Condensed, again};
+use crate::solve::{Outcome, correction, loaded};
 
-/// An attempt, its judgement, and remarks on joints lost on the way.
+/// Most increments.
+const INCREMENTS: usize = 8;
+
+/// Most finer tolerances.
+const FINER: usize = 3;
+
+/// An attempt, how it was judged, and what the user should know of what was lost on the way.
 pub(crate) type Found<const D: usize> = (Attempt<D>, Judged<D>, Vec<String>);
 
-/// Solves until the certificate holds, all joints have a state, and the plastic strain is that of the displacements.
+/// Solves until the certificate holds, all joints have a state, and the bodies have yielded as much as their displacements say.
 ///
-/// Errors: those of [`certified_attempt`].
+/// Errors: bolts that are none; a problem that cannot be solved by the method of the model; those of the law of a body.
 pub(crate) fn equilibrate<const D: usize>(
     model: &Model<D>,
     condensed: &mut Condensed<D>,
@@ -33,27 +46,260 @@ pub(crate) fn equilibrate<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<Found<D>, Error<D>> {
     let mut turns = Turns::new(model, condensed)?;
-    let mut parted = Vec::new();
-    let (mut attempt, mut judged) = certified_attempt(model, condensed, from, observe)?;
+    let (mut before, mut parted) = (None, Vec::new());
+    let mut at = Iterate::begin(model, condensed, from, observe)?;
     loop {
-        let (goes_on, guess);
-        if let Some(more) = torn(model, condensed, &attempt) {
+        if at.refine(model, condensed, from, observe)? {
+            continue;
+        }
+        let (attempt, guess);
+        if let Some(more) = torn(model, condensed, &at.attempt) {
             again(model, condensed, &more.lost, observe)?;
             parted.push(more.words);
-            (goes_on, guess) = (true, None);
+            (attempt, guess) = (at.attempt, None);
         } else {
-            let known = (attempt, &judged, from);
-            (attempt, goes_on) = turns.next(model, condensed, known, observe)?;
-            guess = Some(attempt.outcome.multipliers.clone());
-        }
-        if !goes_on {
-            break;
+            let known = (at.attempt, &at.judged, from);
+            let (ended, goes_on) = turns.next(model, condensed, known, observe)?;
+            if !goes_on {
+                turns.take_over(model, condensed, &mut at.judged)?;
+                return Ok((ended.behind(before), at.judged, parted));
+            }
+            guess = Some(ended.outcome.multipliers.clone());
+            attempt = ended;
         }
         let guess = guess.as_ref().or(from.guess);
-        let (further, again) =
-            certified_attempt(model, condensed, Start { guess, ..from }, observe)?;
-        (attempt, judged) = (attempt.followed_by(further), again);
+        at = Iterate::begin(model, condensed, Start { guess, ..from }, observe)?;
+        before = Some(attempt.behind(before));
     }
-    turns.take_over(model, condensed, &mut judged)?;
-    Ok((attempt, judged, parted))
+}
+
+/// Solves the present linear problem until the certificate holds or no move brings the forces nearer.
+///
+/// Errors: as [`equilibrate`].
+pub(crate) fn certified<const D: usize>(
+    model: &Model<D>,
+    condensed: &mut Condensed<D>,
+    from: Start<'_>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
+    let mut at = Iterate::begin(model, condensed, from, observe)?;
+    while at.refine(model, condensed, from, observe)? {}
+    Ok((at.attempt, at.judged))
+}
+
+/// A move on the linear problem; all that come before it lead no further.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Move {
+    /// Newton's method once more, with all entries of F. A crowd would have too many.
+    Assemble,
+    /// After Newton's method.
+    Increment,
+    /// So many have been taken.
+    Finer(usize),
+    /// There is no further one.
+    End,
+}
+
+/// Forces of the linear problem, how they were found, and what displacements say of them.
+struct Iterate<const D: usize> {
+    /// With the best forces.
+    attempt: Attempt<D>,
+    judged: Judged<D>,
+    /// The last forces, where an increment has led away from the best ones.
+    last: Option<(Outcome, Judged<D>)>,
+    increments: usize,
+    tolerance: f64,
+    next: Move,
+}
+
+impl<const D: usize> Iterate<D> {
+    /// The answer of one run of the method.
+    fn begin(
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        from: Start<'_>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Self, Error<D>> {
+        let attempt = run(model, condensed, from, observe)?;
+        Ok(Self {
+            judged: judge(model, condensed, &attempt.outcome, None)?,
+            last: None,
+            increments: 0,
+            tolerance: model.solver.tolerance,
+            next: match (from.own, model.solver.method) {
+                (Some(_), _) => Move::End,
+                (None, Method::Auto | Method::Newton) => Move::Assemble,
+                _ => Move::Finer(0),
+            },
+            attempt,
+        })
+    }
+
+    /// Makes the next move; `false` where there is none.
+    fn refine(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        from: Start<'_>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<bool, Error<D>> {
+        loop {
+            let (moved, after) = match self.next {
+                Move::Assemble => {
+                    let moved = self.assemble(model, condensed, from, observe)?;
+                    (moved, Move::Increment)
+                }
+                Move::Increment => match self.increment(model, condensed, observe)? {
+                    true => (true, Move::Increment),
+                    false => (false, Move::Finer(0)),
+                },
+                Move::Finer(done) if done < FINER => {
+                    match self.finer(model, condensed, observe)? {
+                        true => (true, Move::Finer(done + 1)),
+                        false => (false, Move::End),
+                    }
+                }
+                Move::Finer(_) | Move::End => return Ok(false),
+            };
+            self.next = after;
+            if moved {
+                return Ok(true);
+            }
+        }
+    }
+
+    /// Where Newton's method has no answer with an F that is applied: once more with all its entries.
+    fn assemble(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        from: Start<'_>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<bool, Error<D>> {
+        let problem = &mut condensed.problem;
+        let open = self.attempt.is_unfinished() && !problem.is_crowd();
+        if !open || !problem.assemble(ASSEMBLED) {
+            return Ok(false);
+        }
+        let how = (
+            model.solver.method,
+            self.tolerance,
+            self.attempt.outcome.iterations,
+        );
+        let further = run_method(model, condensed, how, from.guess, observe)?;
+        self.attempt.follow(further);
+        self.judged = judge(model, condensed, &self.attempt.outcome, None)?;
+        Ok(true)
+    }
+
+    /// An exact step in increments; the best forces count.
+    fn increment(
+        &mut self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<bool, Error<D>> {
+        let least = excess(&self.judged.certificate);
+        let most = model.solver.max_iterations.unwrap_or(usize::MAX);
+        let (outcome, judged) = match &self.last {
+            Some((outcome, judged)) => (outcome, judged),
+            None => (&self.attempt.outcome, &self.judged),
+        };
+        let allowed = (1..most).contains(&outcome.iterations) && self.increments < INCREMENTS;
+        let known = (&judged.displaced.gaps[..], &judged.displaced.rounding[..]);
+        let change = (allowed && least > 1.0)
+            .then(|| correction(&condensed.problem, &outcome.multipliers, known));
+        let Some(change) = change.flatten() else {
+            self.end_increments(condensed, least);
+            return Ok(false);
+        };
+        let outcome = outcome.corrected(&change);
+        let judged = judge(model, condensed, &outcome, Some((judged, &change.lambda)))?;
+        self.increments += 1;
+        let left = excess(&judged.certificate);
+        let point = HistoryPoint {
+            iteration: outcome.iterations,
+            residual: left * model.solver.tolerance,
+            active: loaded(&outcome.multipliers.lambda),
+        };
+        observe(Event::Iteration(point));
+        self.attempt.history.push(point);
+        if left < least {
+            (self.attempt.outcome, self.judged, self.last) = (outcome, judged, None);
+        } else {
+            self.last = Some((outcome, judged));
+        }
+        Ok(true)
+    }
+
+    /// The best forces are the answer of the increments. One whose certificate holds is an answer, whatever the method said.
+    fn end_increments(&mut self, condensed: &Condensed<D>, least: f64) {
+        let outcome = &mut self.attempt.outcome;
+        if least <= 1.0 && (outcome.exact || is_unloaded(condensed, &outcome.multipliers.lambda)) {
+            self.attempt.failure = None;
+        }
+        if let Some((last, _)) = self.last.take() {
+            outcome.iterations = last.iterations;
+        }
+    }
+
+    /// Goes on from an answer whose certificate does not hold, with a tolerance that much smaller and d corrected so that the
+    /// gap of the dual problem at its forces is the gap of the displacements.
+    fn finer(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<bool, Error<D>> {
+        let worst = excess(&self.judged.certificate);
+        if self.attempt.failure.is_some() || worst <= 1.0 {
+            return Ok(false);
+        }
+        self.tolerance *= 0.5 / worst.min(1e3);
+        let guess = self.attempt.outcome.multipliers.clone();
+        let known = condensed.problem.gap(&guess);
+        let shift = condensed.problem.shift.iter_mut();
+        for ((d, gap), known) in shift.zip(&self.judged.displaced.gaps).zip(&known) {
+            *d -= gap - known;
+        }
+        let how = (
+            model.solver.method,
+            self.tolerance,
+            self.attempt.outcome.iterations,
+        );
+        let further = run_method(model, condensed, how, Some(&guess), observe)?;
+        if further.failure.is_some() {
+            return Ok(false);
+        }
+        let change = further.outcome.multipliers.lambda.iter().zip(&guess.lambda);
+        let change: Vec<f64> = change.map(|(after, before)| after - before).collect();
+        self.attempt.follow(further);
+        let from = Some((&self.judged, &change[..]));
+        self.judged = judge(model, condensed, &self.attempt.outcome, from)?;
+        Ok(true)
+    }
+}
+
+/// Forces below this part of the loads of what their contact couples are rounding.
+const UNLOADED: f64 = 1e-13;
+
+/// Whether all forces are rounding: what the contacts bear then is nothing, and a residual relative to it says nothing.
+fn is_unloaded<const D: usize>(condensed: &Condensed<D>, lambda: &[f64]) -> bool {
+    let coupled = &condensed.problem.coupled;
+    let rows = lambda.iter().zip(&coupled.contact);
+    rows.into_iter().all(|(force, &contact)| {
+        force.abs() <= UNLOADED * coupled.scales[coupled.domain[contact]].force
+    })
+}
+
+/// The worst figure of a certificate in its limits, infinite where one is no number; but for what no solver can change.
+fn excess(certificate: &Certificate) -> f64 {
+    let figures = certificate.figures().into_iter();
+    figures
+        .filter(|(name, _)| !NOT_OF_THE_SOLVER.contains(name))
+        .map(|(_, f)| f.relative / f.limit)
+        .fold(
+            0.0,
+            |s: f64, x| if x.is_nan() { f64::INFINITY } else { s.max(x) },
+        )
 }

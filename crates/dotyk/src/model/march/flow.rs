@@ -210,7 +210,7 @@ impl Turns {
                 guess: Some(&guess),
                 ..from
             };
-            attempt = attempt.followed_by(run(model, condensed, start, observe)?);
+            attempt.follow(run(model, condensed, start, observe)?);
             if attempt.failure.is_some() {
                 break;
             }
