@@ -120,7 +120,7 @@ fn bodies_of<const D: usize>(
     Ok(found)
 }
 
-/// What is wrong with a bar in its place, where it is written.
+/// An error of a bar in the model, at its place in the text.
 pub(crate) fn fault(error: &BarError, node: &Node, name: &str) -> Result<Fault, Fault> {
     let table = node.table(keys::BAR)?;
     let span = |key: &str| table.get(key).map_or(table.span, |node| &node.span);

@@ -221,7 +221,7 @@ fn sides(node: &Node) -> Result<Vec<(String, Span)>, Fault> {
     }
 }
 
-/// Refuses sides that the mesh does not have, one that is listed twice, and no side at all.
+/// Refuses sides that the mesh does not have, a side listed twice, and an empty list.
 fn check_sides<const D: usize>(
     sides: &[(String, Span)],
     span: &Span,
@@ -241,7 +241,7 @@ fn check_sides<const D: usize>(
     Ok(())
 }
 
-/// One side of those of a body that are named at these places, at least one and none twice.
+/// Joins the sides of a body named at these places into one; at least one name, and no name twice.
 pub(crate) fn joined<const D: usize>(
     sides: &[(String, Span)],
     span: &Span,
@@ -281,8 +281,8 @@ pub(crate) fn no_z<const D: usize>(table: Table<'_>) -> Result<(), Fault> {
     }
 }
 
-/// A support; on a list of sides one for each, so that a corner has the normal of either, and one at each point of a name; none
-/// of the body's own at the point of a couple, which takes it over.
+/// A support: one for each of a list of sides, so that a corner has the normals of both, and one at each point of a name. At the point
+/// of a couple it becomes part of the couple.
 fn support<const D: usize>(
     node: &Node,
     couples: &mut Couples<'_, D>,
@@ -354,7 +354,7 @@ fn support<const D: usize>(
     Ok(each.collect())
 }
 
-/// A load; at each point of a name one; none of the body's own at the point of a couple, which takes it over.
+/// A load: one at each point of a name. At the point of a couple it becomes part of the couple.
 fn load<const D: usize>(
     node: &Node,
     couples: &mut Couples<'_, D>,

@@ -38,7 +38,7 @@ pub(crate) fn contact<const D: usize>(
     let gap = match (table.get("gap"), &pair) {
         (None, _) => None,
         (Some(node), Pair::Obstacle { .. }) => match gap(node)? {
-            // What an obstacle does anyway: its own `gap` is the distance.
+            // The default for an obstacle: its own `gap` is the distance.
             Gap::Geometric => None,
             _ => {
                 let message = format!("the obstacle of contact `{name}` has its own gap");
@@ -91,7 +91,7 @@ fn names(node: &Node) -> Result<Vec<(&str, &Node)>, Fault> {
     }
 }
 
-/// Of two sides that dotyk would choose from, the one whose body has the points and sides of these names carries the forces.
+/// Where dotyk would choose between two sides, the one whose body has points and sides of these names carries the forces.
 fn with_names<const D: usize>(
     pair: Pair<D>,
     named: &[(&str, &Node)],
@@ -259,7 +259,7 @@ pub(crate) fn side_ref<const D: usize>(
     })
 }
 
-/// A shape, and what moves it.
+/// A shape and its motion.
 fn obstacle<const D: usize>(node: &Node) -> Result<Obstacle<D>, Fault> {
     let table = node.table(keys::OBSTACLE)?;
     let shapes = shapes::<D>().chain(["gap"]);

@@ -13,7 +13,7 @@ const KINDS: [(&str, CoupleKind); 2] = [
     ("average", CoupleKind::Average),
 ];
 
-/// The couples of a body so far, and what moves in its analysis.
+/// The couples of a body so far, and the motions of its analysis.
 pub(crate) struct Couples<'a, const D: usize> {
     pub body: &'a str,
     pub axial: bool,
@@ -70,7 +70,7 @@ impl<'a, const D: usize> Couples<'a, D> {
         }
     }
 
-    /// Takes over what a support prescribes where it names the point of a couple; `false` where it does not.
+    /// Adds the values of a support to the couple whose point it names; `false` if it names no such point.
     pub fn hold(&mut self, table: Table<'_>) -> Result<bool, Fault> {
         let axial = self.axial;
         let Some(couple) = self.of_point(table.get("point")) else {
@@ -124,7 +124,7 @@ impl<'a, const D: usize> Couples<'a, D> {
         Ok(true)
     }
 
-    /// Takes over what a load carries where it names the point of a couple; `false` where it does not.
+    /// Adds a load to the couple whose point it names; `false` if it names no such point.
     pub fn load(&mut self, table: Table<'_>, active: Active) -> Result<bool, Fault> {
         let axial = self.axial;
         let Some(couple) = self.of_point(table.get("point")) else {
@@ -176,7 +176,7 @@ impl<'a, const D: usize> Couples<'a, D> {
         Ok(true)
     }
 
-    /// The error for what only the point of a couple has.
+    /// The error for keys that only the point of a couple has.
     fn not_coupled(&self, entry: &Entry) -> Fault {
         let message = format!("`{}` only for a coupled point", entry.key);
         let names = self.list.iter().map(|couple| couple.name.as_str());

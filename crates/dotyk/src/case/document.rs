@@ -1,7 +1,7 @@
 //! A TOML text as a tree with places, and how to read typed values out of it.
 //!
-//! Every reader returns the value or a located error that says what was expected and what was found. Tables say
-//! which keys they know; any other key is an error that names the nearest known one.
+//! Every reader returns the value or a located error with the expected and the found kind. Tables list their keys; any
+//! other key is an error that names the nearest known one.
 
 use crate::case::error::Fault;
 use crate::case::expression::{self, Variables};
@@ -18,12 +18,12 @@ use toml::de::{DeTable, DeValue};
 /// Bytes of the text.
 pub(crate) type Span = Range<usize>;
 
-/// A value and where it stands.
+/// A value and its place in the text.
 #[derive(Debug)]
 pub(crate) struct Node {
     pub value: Value,
     pub span: Span,
-    /// What its expressions may name.
+    /// Parameters of its expressions.
     parameters: Rc<Parameters>,
 }
 
@@ -38,10 +38,10 @@ pub(crate) enum Value {
     Table(Vec<Entry>),
 }
 
-/// An expression comes out whole when it is nearer to an integer than this part of it: rounding.
+/// An expression counts as whole if it differs from an integer by less than this part: rounding.
 const WHOLE: f64 = 1e-9;
 
-/// Most bodies, contacts, steps, probes or parameters: each is named, and looked for by its name.
+/// Most bodies, contacts, steps, probes or parameters: each has a name, and is searched by it.
 const MOST_LISTED: usize = 10_000;
 
 /// Characters of an expression that a message quotes.
@@ -172,7 +172,7 @@ fn node(spanned: toml::Spanned<DeValue<'_>>, parameters: &Rc<Parameters>) -> Res
 }
 
 impl Node {
-    /// What the value is, for messages: "a boolean".
+    /// The kind of the value, for messages: "a boolean".
     pub fn kind(&self) -> &'static str {
         match self.value {
             Value::Text(_) => "a string",
@@ -201,12 +201,12 @@ impl Node {
         }
     }
 
-    /// What the text may name by handles.
+    /// Values that the text may name by handles.
     pub fn given(&self) -> &Given {
         &self.parameters.given
     }
 
-    /// Where a part of the text stands; all of it, where the part is empty.
+    /// The place of a part of the text; of all of it, if the part is empty.
     pub fn part(&self, bytes: Range<usize>) -> Span {
         if bytes.is_empty() {
             return self.span.clone();
@@ -263,7 +263,7 @@ impl Node {
             Value::Integer(value) => usize::try_from(value).ok(),
             Value::Text(_) => {
                 let value = self.number()?;
-                // a count comes out whole but for the rounding of its parts
+                // a count is whole up to the rounding of its terms
                 let whole = value.round();
                 if (value - whole).abs() > WHOLE * whole.abs() {
                     let message = format!("{name} must come out whole, it is {value}");
@@ -365,7 +365,7 @@ impl Node {
         self.expressions(Variables::All)
     }
 
-    /// D numbers or expressions in t alone: of what is the same everywhere.
+    /// D numbers or expressions in t alone: for values that are the same everywhere.
     pub fn courses<const D: usize>(&self) -> Result<[Field; D], Fault> {
         self.expressions(Variables::Time)
     }
@@ -503,7 +503,7 @@ impl<'n> Table<'n> {
     }
 }
 
-/// A feature of the case file that this version does not have.
+/// The error for a feature of the case file that this version does not have.
 pub(crate) fn later(span: &Span, what: &str) -> Fault {
     Fault::new(span, format!("{what} is not supported yet")).label("not supported yet")
 }

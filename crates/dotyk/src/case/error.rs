@@ -5,14 +5,14 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What is wrong in a file, where, and what to do.
+/// An error in a file: message, place and advice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseError {
     /// What is wrong.
     pub message: String,
     /// A word or two for the place itself; may be empty.
     pub label: Box<str>,
-    /// What to do.
+    /// Advice.
     pub help: Option<Box<str>>,
     /// Bytes of the text that the error is about, on one line; `None` when the file could not be read.
     pub span: Option<Range<usize>>,
@@ -95,7 +95,7 @@ impl Fault {
         self
     }
 
-    /// What a word that is not known means or is nearest to, after `label`, and all that is known, after `help`.
+    /// Adds the meaning of an unknown word, or the nearest known one, after `label`, and all known words after `help`.
     pub fn nearest<'k>(
         self,
         word: &str,

@@ -22,7 +22,7 @@ const DEEPEST: usize = 200;
 /// Longest text, in bytes: it bounds the depth of the tree that a chain of operators makes.
 const LONGEST: usize = 4000;
 
-/// What an expression may hold, for messages.
+/// The vocabulary of expressions, for messages.
 pub(crate) const VOCABULARY: &str = "an expression is made of numbers, parameters, x y z t pi, + - * / ^ ( ), sin cos \
     tan asin acos atan atan2 sinh cosh tanh sqrt exp ln abs min max pow";
 
@@ -30,7 +30,7 @@ pub(crate) const VOCABULARY: &str = "an expression is made of numbers, parameter
 pub(crate) const OF_NUMBERS: &str =
     "here stands a number, or an expression of numbers and of the case's [parameters]";
 
-/// What is wrong with an expression, and where.
+/// An error in an expression, with its place.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct ExpressionError {
@@ -52,9 +52,9 @@ pub fn parse(text: &str) -> Result<Field, ExpressionError> {
 pub(crate) enum Variables {
     /// x, y, z and t.
     All,
-    /// t alone: what is the same everywhere.
+    /// t alone: for values that are the same everywhere.
     Time,
-    /// None: a number.
+    /// No variables: a number.
     None,
 }
 
@@ -172,7 +172,7 @@ impl Tree {
     }
 }
 
-/// What stands before the place where an operand is missing.
+/// The token before the place of a missing operand.
 #[derive(Clone, Copy)]
 enum Seen {
     Nothing,

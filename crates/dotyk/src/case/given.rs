@@ -1,7 +1,7 @@
-//! What a case holds that no text can say: meshes that are there already, and functions of a program.
+//! Parts of a case that no text can express: existing meshes, and functions of a program.
 //!
-//! A text names them by their numbers behind a [mark](HANDLE): `file = "\u{E000}0"` is the first mesh,
-//! `traction = ["\u{E000}1.0", "\u{E000}1.1"]` both components of the second function. Without such things the mark means nothing.
+//! A text names them by a [mark](HANDLE) and their number: `file = "\u{E000}0"` is the first mesh,
+//! `traction = ["\u{E000}1.0", "\u{E000}1.1"]` both components of the second function. Without such parts the mark has no meaning.
 
 use crate::case::document::{self, Node, Value};
 use crate::case::error::{CaseError, Fault};
@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a handle begins with: a character that no key, name or expression has.
+/// First character of a handle, which no key, name or expression contains.
 pub const HANDLE: char = '\u{E000}';
 
 /// A mesh of the plane or of space, with the points that a mesh file named.
@@ -26,7 +26,7 @@ pub enum GivenMesh {
     Space(Arc<Mesh<3>>, Named<3>),
 }
 
-/// What a text may name by its handle.
+/// Parts that a text may name by handles.
 #[derive(Debug, Default)]
 pub struct Given {
     /// Meshes of bodies.
@@ -54,7 +54,7 @@ impl Given {
     }
 }
 
-/// A mesh of another dimension than the case has.
+/// The error for a mesh of another dimension than that of the case.
 pub(crate) fn other_dimension(node: &Node, body: &str, dimension: usize) -> Fault {
     let message = format!(
         "the mesh of body `{body}` is in {}D, and the analysis is in {dimension}D",
@@ -63,11 +63,11 @@ pub(crate) fn other_dimension(node: &Node, body: &str, dimension: usize) -> Faul
     Fault::new(&node.span, message).label("another number of dimensions")
 }
 
-/// What a mesh is called in messages where no body has it yet.
+/// Name of a mesh in messages before a body has it.
 const NEW: &str = "new";
 
-/// The mesh of a text with the key `mesh` of a body, and `drawing` where it is of regions: in space or in the plane. With it what
-/// was noticed while reading.
+/// The mesh of a text with the key `mesh` of a body, and `drawing` where it is made of regions, in space or in the plane; with the
+/// warnings of reading.
 ///
 /// Errors: every mistake in the text; files that cannot be read.
 pub fn read_mesh(
@@ -105,7 +105,7 @@ where
 
 /// A text of a case file as JSON, its tables in the order of the text.
 ///
-/// Errors: what is not TOML.
+/// Errors: invalid TOML.
 pub fn to_json(text: &str, name: &str) -> Result<String, CaseError> {
     let document = document::parse_whole(text).map_err(|fault| fault.in_source(name, text))?;
     Ok(json(&document).to_string())

@@ -7,7 +7,7 @@ use crate::case::suggest::listed;
 use crate::geometry::{Field, Point, padded, unit};
 use crate::model::{Analysis, COMPONENTS, Components, Initial};
 
-/// What is in a body before anything acts on it.
+/// Initial state of a body.
 pub(crate) fn initial<const D: usize>(
     body: Table<'_>,
     analysis: Analysis,
@@ -21,7 +21,7 @@ pub(crate) fn initial<const D: usize>(
         strain: strain.map(self::strain).transpose()?,
         vertical: vertical.flatten(),
     };
-    // each alone, to tell which one
+    // each separately, to find out which one
     let alone = [
         Initial {
             strain: None,
@@ -41,7 +41,7 @@ pub(crate) fn initial<const D: usize>(
     Ok(initial)
 }
 
-/// Components, or the vertical stress and what part of it acts across, with its direction.
+/// Components, or the vertical stress with its direction and the part of it that acts across.
 fn stress<const D: usize>(
     node: &Node,
     analysis: Analysis,
@@ -64,7 +64,7 @@ fn stress<const D: usize>(
     })?;
     let [first, second] = match &k0.value {
         Value::List(_) => k0.fields::<2>()?,
-        // in plane stress nothing acts across
+        // in plane stress there is no stress across
         _ if analysis == Analysis::PlaneStress => [k0.field()?, Field::constant(0.0)],
         _ => [k0.field()?, k0.field()?],
     };
@@ -84,8 +84,8 @@ fn stress<const D: usize>(
     Ok((stress, Some(padded(direction))))
 }
 
-/// Warnings about bodies that are profiles extruded along z, the vertical of their stress where none is named, and without a weight
-/// that would tell whether it is: most such profiles are those of tunnels.
+/// Warnings about bodies that are profiles extruded along z, the default vertical of their stress, and have no weight that would
+/// confirm it: most such profiles are those of tunnels.
 pub(crate) fn along_profiles(document: &Node) -> Vec<String> {
     fn at<'n>(node: &'n Node, key: &str) -> Option<&'n Node> {
         let mut entries = node.entries().ok()?.iter();
@@ -105,7 +105,7 @@ pub(crate) fn along_profiles(document: &Node) -> Vec<String> {
     told.collect()
 }
 
-/// A temperature with its coefficient, a strain that has no direction, or components.
+/// A temperature with its coefficient, an isotropic strain, or components.
 fn strain(node: &Node) -> Result<Components, Fault> {
     let table = node.table(keys::INITIAL_STRAIN)?;
     let ways = [&["thermal", "expansion"][..], &["isotropic"], &COMPONENTS];
@@ -127,7 +127,7 @@ fn strain(node: &Node) -> Result<Components, Fault> {
     }
 }
 
-/// Refuses keys of none or more than one of the ways to give something, which `words` name.
+/// Refuses missing keys, and keys of more than one of the ways to give a value, which `words` name.
 fn one_of(table: Table<'_>, ways: &[&[&str]], words: &str) -> Result<(), Fault> {
     let used = |way: &&&[&str]| way.iter().any(|key| table.get(key).is_some());
     if ways.iter().filter(used).count() == 1 {

@@ -17,10 +17,10 @@ use crate::model::least;
 /// Bytes that every machine has.
 const SMALL: u64 = 10_000_000;
 
-/// The side that a patch may be of, whichever sides a mesh has: all of its boundary.
+/// A side that every mesh has for patches: its whole boundary.
 const BOUNDARY: &str = "boundary";
 
-/// Most cells of a generated mesh: a misplaced digit must not exhaust the memory, and no direct factor of more fits one.
+/// Most cells of a generated mesh: a misplaced digit must not exhaust the memory, and no direct factor of a larger one fits it.
 const MOST_CELLS: usize = 5_000_000;
 
 const CELLS_OF_THE_PLANE: [(&str, CellKind); 5] = [
@@ -58,7 +58,7 @@ pub(crate) trait Generated<const D: usize>: Sized {
     /// The mesh that one of these keys but `file` makes, and the points that a mesh file within it names.
     fn generated(entry: &Entry, body: &str, files: &mut MeshFiles) -> Result<Made<D>, Fault>;
 
-    /// A mesh that is there already, and its named points; `None` where it is of another dimension.
+    /// An existing mesh and its named points; `None` if it has another dimension.
     fn given(mesh: &GivenMesh) -> Option<(Self, Named<D>)>;
 
     /// A mesh file for such bodies.
@@ -68,7 +68,7 @@ pub(crate) trait Generated<const D: usize>: Sized {
     fn cut(file: &MeshFile, groups: &[&str]) -> Result<Imported<D>, ImportError>;
 }
 
-/// A mesh or why there is none, and named points.
+/// A mesh or its error, and named points.
 pub(crate) type Made<const D: usize> = (Result<Mesh<D>, MeshError>, Named<D>);
 
 impl Generated<2> for Mesh<2> {
@@ -139,7 +139,7 @@ impl Generated<3> for Mesh<3> {
     }
 }
 
-/// The mesh, and the points that a mesh file names; `needed` says why it has to have D dimensions.
+/// The mesh, and the points that a mesh file names; `needed` is the reason for D dimensions.
 pub(crate) fn mesh<const D: usize>(
     node: &Node,
     body: &str,
@@ -277,13 +277,13 @@ fn cells<const N: usize>(table: Table<'_>, what: &str) -> Result<[usize; N], Fau
     node.counts("the number of cells")
 }
 
-/// Refuses, before any memory is taken, what no machine or not this one has memory for.
+/// Refuses, before any memory is allocated, meshes that do not fit the memory of any machine or of this one.
 fn few_enough<const D: usize>(table: Table<'_>, cells: u128, kind: CellKind) -> Result<(), Fault> {
     let message = if cells > MOST_CELLS as u128 {
         format!("more than {MOST_CELLS} cells in one body")
     } else {
         let needed = least::<D>(kind, cells as u64);
-        // asking takes longer than a small mesh
+        // the query takes longer than a small mesh
         let free = (needed > SMALL).then(free_memory).flatten();
         match free.filter(|&free| needed > free) {
             None => return Ok(()),
@@ -303,7 +303,7 @@ fn growth(table: Table<'_>, key: &str) -> Result<f64, Fault> {
     table.get(key).map_or(Ok(1.0), |node| node.positive(&name))
 }
 
-/// A kind of cells of a dimension, of four or eight corners where none is named.
+/// A kind of cells of a dimension; by default four or eight corners.
 fn cell(table: Table<'_>, dimension: usize) -> Result<CellKind, Fault> {
     let [own, other] = match dimension {
         2 => [&CELLS_OF_THE_PLANE[..], &CELLS_OF_SPACE],

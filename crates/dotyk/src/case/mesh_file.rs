@@ -1,9 +1,9 @@
-//! What several bodies are cut out of.
+//! Sources from which several bodies are cut.
 //!
 //! `mesh = { file = { path, group } }`: mesh files, each read once for all bodies of a case that have the same dimension: an
 //! extruded mesh and a solid may come from one file. `mesh = { region }`: the drawing of the case.
 //!
-//! What of a file has no place in any body is known only when all bodies were read: [`MeshFiles::warnings`].
+//! The parts of a file that no body uses are known only when all bodies have been read: [`MeshFiles::warnings`].
 
 use crate::case::document::{Node, Span, Value};
 use crate::case::error::Fault;
@@ -16,7 +16,7 @@ use crate::mesh::{ImportError, Imported, Mesh, MeshFile, Regions};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Points by name; several have one name where a mesh file says so.
+/// Points by name; a mesh file may give one name to several.
 pub(crate) type Named<const D: usize> = BTreeMap<String, Vec<Point<D>>>;
 
 /// The mesh files and the drawing of a case.
@@ -31,7 +31,7 @@ pub(crate) struct MeshFiles {
     warnings: Vec<String>,
 }
 
-/// A file read for bodies of one dimension, and what no such body has used of it so far.
+/// A file read for bodies of one dimension, and its parts that no such body has used so far.
 struct Opened {
     path: PathBuf,
     dimension: usize,
@@ -130,7 +130,7 @@ impl MeshFiles {
         })
     }
 
-    /// The file of a path for bodies of D dimensions, read when it is met first.
+    /// The file of a path for bodies of D dimensions, read on first use.
     fn open<const D: usize>(&mut self, node: &Node, body: &str) -> Result<&mut Opened, Fault>
     where
         Mesh<D>: Generated<D>,
@@ -144,7 +144,7 @@ impl MeshFiles {
                 let file = file.map_err(|error| refused(&error, &node.span, body))?;
                 let said = file.warnings();
                 match self.files.iter().find(|opened| opened.path == path) {
-                    // what is left out for the one dimension may be what the other is made of
+                    // parts left out for one dimension may be used by the other
                     Some(other) => self.warnings.retain(|warning| {
                         !other.file.warnings().contains(warning) || said.contains(warning)
                     }),
@@ -162,7 +162,7 @@ impl MeshFiles {
         Ok(&mut self.files[place])
     }
 
-    /// What was noticed, and what of the files no body uses.
+    /// Warnings of reading, and the parts of the files that no body uses.
     pub fn warnings(self) -> Vec<String> {
         let mut warnings = self.warnings;
         let regions = self.drawing.iter().flat_map(Regions::names);
@@ -227,7 +227,7 @@ impl Opened {
         used.map(|name| (self.path.as_path(), name.as_str()))
     }
 
-    /// Takes what a body uses from the list of what is unused.
+    /// Removes the parts that a body uses from the list of unused ones.
     fn use_of<const D: usize>(&mut self, imported: &Imported<D>) {
         let before = self.unused.take().unwrap_or_else(|| Unused {
             cells: imported.unused_cells.clone(),

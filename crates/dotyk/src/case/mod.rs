@@ -1,7 +1,7 @@
 //! The TOML case file, its validation with locations, and published reference values.
 //!
-//! A case file becomes a [`Model`]: plain data, with every name, number and quantity checked, so that what is left
-//! to go wrong is mechanics. Unknown keys are errors. Keys of features that this version does not have are known,
+//! A case file becomes a [`Model`]: plain data, with every name, number and quantity checked, so that only errors of
+//! mechanics remain. Unknown keys are errors. Keys of features that this version does not have are known,
 //! and refused as "not supported yet". Numbers are in any consistent units; paths are relative to the case file.
 
 mod bar;
@@ -64,11 +64,11 @@ pub struct Case<const D: usize> {
     pub path: PathBuf,
     /// The problem.
     pub model: Model<D>,
-    /// What was noticed while reading, such as parts of mesh files that no body uses.
+    /// Warnings of reading, such as parts of mesh files that no body uses.
     pub warnings: Vec<String>,
     /// Wall seconds of reading and of making the meshes.
     seconds: f64,
-    /// The text, how messages call it, where its paths start, and what it names by handles.
+    /// The text, its name in messages, the folder of its paths, and the parts that it names by handles.
     text: Arc<str>,
     name: Arc<str>,
     folder: Arc<Path>,
@@ -77,14 +77,14 @@ pub struct Case<const D: usize> {
     places: Vec<(Subject, Span)>,
 }
 
-/// As in [`Model`]: what is generic is compiled here, once for each dimension.
+/// As in [`Model`]: generic code is compiled here, once for each dimension.
 macro_rules! doors {
     ($($D:literal)*) => {$(
         impl Case<$D> {
             /// Reads a case file.
             ///
-            /// Errors: what cannot be read; what is not TOML; every mistake with its line and column; a case of
-            /// another number of dimensions.
+            /// Errors: an unreadable file; invalid TOML; every mistake with its line and column; a case of another number
+            /// of dimensions.
             pub fn read(path: &Path) -> Result<Self, CaseError> {
                 Self::read_with(path, &[])
             }
@@ -105,21 +105,20 @@ macro_rules! doors {
                 of_source(Source::parse(text, name, folder, &[], &Arc::default())?)
             }
 
-            /// Solves all load steps, from those on that were solved before; an observer is told what happens.
+            /// Solves all load steps, after those that were solved before, with an observer of the events.
             pub fn run(&self, past: &[Past<$D>], observe: &mut dyn FnMut(Event)) -> Run<$D> {
                 self.became(self.model.solve_steps_after(past, observe))
             }
 
-            /// Solves all load steps with a solver of one's own, as [`Model::solve_steps_by`](Model).
+            /// Solves all load steps with a solver from outside, as [`Model::solve_steps_by`](Model).
             pub fn run_by(&self, solver: &dyn ContactSolver, observe: &mut dyn FnMut(Event)) -> Run<$D> {
                 self.became(self.model.solve_steps_by(solver, observe))
             }
 
-            /// Solves the case for all combinations of some values of its parameters; others may be given another value
-            /// than its own, and have it in this case, too. The text is read again for each. `observe` is told when a
-            /// member is done.
+            /// Solves the case for all combinations of some values of its parameters; other parameters may be given values
+            /// in place of its own. The text is read again for each member. `observe` is called when a member is done.
             ///
-            /// Errors: as [`Self::read_with`], of the names. A member that is bad input is one with its reason.
+            /// Errors: as [`Self::read_with`], for the names. A member with bad input carries its reason.
             pub fn study(
                 &self,
                 given: &[(String, String)],
@@ -142,9 +141,9 @@ macro_rules! doors {
                 Ok(self.model.clone().study(&own, varied.clone(), &make, observe))
             }
 
-            /// Reads a probe off the solution of a step: `text` is the content of a table `[[probe]]` but for its name.
+            /// Reads a probe off the solution of a step: `text` is the content of a table `[[probe]]` without its name.
             ///
-            /// Errors: what is wrong with the probe, or that it cannot be read there.
+            /// Errors: mistakes in the probe, or a probe that cannot be read there.
             pub fn probe(&self, text: &str, solution: &Solution<$D>) -> Result<ProbeValue, CaseError> {
                 read_probe(self, text, solution)
             }
@@ -246,7 +245,7 @@ impl<const D: usize> Case<D> {
             .map(|(_, value)| *value)
     }
 
-    /// Puts what was noticed while reading before the warnings of a result.
+    /// Puts the warnings of reading before the warnings of a result.
     pub fn warn_first(&self, warnings: &mut Vec<String>) {
         warnings.splice(0..0, self.warnings.iter().cloned());
     }
@@ -292,7 +291,7 @@ fn places(document: &Node) -> Vec<(Subject, Span)> {
             let Some((Ok(text), name)) = field("name").map(|e| (e.node.text(), &e.node)) else {
                 continue;
             };
-            // probes alone have these: what is wrong with one is where it is read
+            // only probes have these keys: their errors concern the position
             let place = field("at").or_else(|| field("along"));
             let place = place.map_or(name, |entry| &entry.node);
             places.push((subject(text.to_string()), place.span.clone()));
@@ -301,7 +300,7 @@ fn places(document: &Node) -> Vec<(Subject, Span)> {
     places
 }
 
-/// A warning about parameters that nothing depends on.
+/// A warning about parameters that no value depends on.
 fn idle(names: &[String]) -> Option<String> {
     let first = names.first()?;
     let told = listed(names.iter().take(NAMED).map(String::as_str));
@@ -315,7 +314,7 @@ fn idle(names: &[String]) -> Option<String> {
     ))
 }
 
-/// How many of several a message names.
+/// Most names in a message.
 const NAMED: usize = 4;
 
 /// The model of a whole document.
@@ -418,7 +417,7 @@ where
     Ok(model)
 }
 
-/// Refuses two bodies of one region at one time.
+/// Refuses two bodies of one region at the same time.
 fn own_regions<const D: usize>(
     used: &[(String, String, Span)],
     bodies: &[Body<D>],
@@ -503,7 +502,7 @@ fn own_names(lists: &[&[Node]]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Refuses bodies whose result files cannot be called by their names.
+/// Refuses bodies whose names cannot be those of result files.
 fn names_of_files(bodies: &[Node]) -> Result<(), Fault> {
     let named = bodies.iter().filter_map(|node| {
         let entry = node.entries().ok()?.iter().find(|e| e.key == "name")?;

@@ -15,7 +15,7 @@ const GROWTH: f64 = 0.3;
 
 const TRIANGLES: [(&str, CellKind); 2] = [("tri3", CellKind::Tri3), ("tri6", CellKind::Tri6)];
 
-/// Where the edges of a contour stand in the file.
+/// Places of the edges of a contour in the file.
 struct Spans {
     whole: Span,
     edges: Vec<Span>,
@@ -111,7 +111,7 @@ pub(crate) fn drawing(node: &Node) -> Result<Regions, Fault> {
     })
 }
 
-/// Refuses what belongs to a single edge, in a line of several.
+/// Refuses keys of a single edge in a line of several.
 fn own_shape(table: Table<'_>) -> Result<(), Fault> {
     let keys = ["center", "via", "radius", "clockwise", "cells"].into_iter();
     let other = keys.filter_map(|key| table.entry(key)).next();
@@ -126,7 +126,7 @@ fn own_shape(table: Table<'_>) -> Result<(), Fault> {
     }
 }
 
-/// How fine the cells are, beside their size.
+/// Settings of the mesh besides the size of its cells.
 struct Fineness {
     growth: f64,
     refine: Vec<SizePoint>,
@@ -146,7 +146,7 @@ fn fineness(table: Table<'_>) -> Result<Fineness, Fault> {
     })
 }
 
-/// Why there is no mesh, and where in the file.
+/// The error of a mesh, with its place in the file.
 struct Refused {
     error: MeshError,
     span: Span,
@@ -294,7 +294,7 @@ fn edge(table: Table<'_>, start: Point<2>) -> Result<OutlineEdge, Fault> {
     })
 }
 
-/// `name`: one name or a list of some, none twice.
+/// `name`: one name or a list of names, no name twice.
 fn names(table: Table<'_>) -> Result<Vec<String>, Fault> {
     let Some(node) = table.get("name") else {
         return Ok(Vec::new());

@@ -1,7 +1,7 @@
 //! `[parameters]` of a case file: names that stand for numbers in every expression.
 //!
-//! A parameter is a number, or an expression of those before it. A run may give some of them another value; the file's own
-//! one must still be right.
+//! A parameter is a number, or an expression of those before it. A run may give some of them another value; the file's own value
+//! must still be valid.
 
 use crate::case::document::{Entry, Node, Span, Value};
 use crate::case::error::Fault;
@@ -21,7 +21,7 @@ const WORDS: [&str; 3] = ["closed", "geometric", "auto"];
 #[derive(Debug, Default)]
 pub(crate) struct Parameters {
     pub values: Vec<(String, f64)>,
-    /// What the text may name by handles.
+    /// Values that the text may name by handles.
     pub given: Arc<Given>,
     /// Words in their own expressions.
     pub words: BTreeSet<String>,
@@ -143,7 +143,7 @@ pub(crate) fn check_given(
     })
 }
 
-/// A name must be one that an expression can read, and not mean anything else.
+/// A name must be readable in an expression, and not have another meaning.
 fn check_name(entry: &Entry) -> Result<(), Fault> {
     let name = entry.key.as_str();
     let word = |c: char| c.is_ascii_alphanumeric() || c == '_';

@@ -1,4 +1,4 @@
-//! Points with a name: the key `points` of a body, and where a name stands for coordinates.
+//! Points with a name: the key `points` of a body, and names in place of coordinates.
 
 use crate::case::document::{Node, Span, Table, Value, check_name, coordinates};
 use crate::case::error::Fault;
@@ -84,7 +84,7 @@ pub(crate) fn place<const D: usize>(node: &Node, bodies: &[Body<D>]) -> Result<P
     }
 }
 
-/// The body and the second word of a "BODY.WORD"; `what` is a word for it, and how it is written.
+/// The body and the second word of a "BODY.WORD"; `what` is its kind and notation.
 pub(crate) fn of_body<'n, const D: usize>(
     node: &'n Node,
     bodies: &[Body<D>],
@@ -104,7 +104,7 @@ pub(crate) fn of_body<'n, const D: usize>(
     Ok((index, word))
 }
 
-/// The side or the points of a body that a name stands for; nothing where it has neither.
+/// The side or the points of a body with this name; empty without either.
 pub(crate) fn named_places<const D: usize>(
     name: &str,
     mesh: &Mesh<D>,

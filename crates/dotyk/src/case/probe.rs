@@ -1,4 +1,4 @@
-//! `[[probe]]` of a case file: what is read off the solution, checked before anything is solved.
+//! `[[probe]]` of a case file: values to be read off the solution, checked before the solution.
 
 use crate::case::contact::side_ref;
 use crate::case::document::{Entry, Node, Table, Value, coordinates};
@@ -56,7 +56,7 @@ pub(crate) fn probe<const D: usize>(
     })
 }
 
-/// Of a section: a utilisation without a capacity, and places that are no stations.
+/// Refuses, for a section, a utilisation without a capacity, and places other than stations.
 fn refuse_beside_stations<const D: usize>(
     table: Table<'_>,
     quantity: &Quantity,
@@ -86,7 +86,7 @@ fn refuse_beside_stations<const D: usize>(
     }
 }
 
-/// A probe's name is a label: it names no file and is part of no quantity, so it may have blanks.
+/// A probe's name is only a label, not part of a file name or quantity, so it may have blanks.
 fn label(node: &Node) -> Result<String, Fault> {
     let text = node.text()?;
     if text.trim().is_empty() || text.contains(char::is_control) {
@@ -111,7 +111,7 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
     }
 }
 
-/// Most points of a line: each is looked for in the cells, and a row for each step.
+/// Most points of a line: each is located in the cells, and gives a row for each step.
 const MOST_POINTS: usize = 1_000_000;
 
 /// How a line is written.
@@ -148,7 +148,7 @@ fn line<const D: usize>(node: &Node, bodies: &[Body<D>]) -> Result<Along<D>, Fau
     Ok(Along::Line { from, to, points })
 }
 
-/// Where, or how: a field needs `at`, `along` or `reduce`, a number none; neighbours are those of a point.
+/// The reading: a field needs `at`, `along` or `reduce`, a number none of them; neighbours are those of a point.
 fn reading<const D: usize>(
     table: Table<'_>,
     name: &str,
@@ -179,7 +179,7 @@ fn reading<const D: usize>(
     refuse_contradiction(table, name, quantity, along)?;
     refuse_rotation(table, quantity, bodies)?;
     match (at, reduced, table.entry("mean_of_neighbours")) {
-        // that of a bar alone is the largest
+        // without a place the force of a bar is the largest
         (None, None, _) if quantity.is_field() && !quantity.is_of_bar() && along.is_none() => Err(Fault::new(
             table.span,
             format!("probe `{name}` must say where: `at`, `along` or `reduce` is missing"),
@@ -200,7 +200,7 @@ fn reading<const D: usize>(
     }
 }
 
-/// One of `at`, `along` and `reduce`, but that a stress or displacement of a body can be reduced along a side.
+/// Allows one of `at`, `along` and `reduce`, except that a stress or displacement of a body can be reduced along a side.
 fn refuse_contradiction<const D: usize>(
     table: Table<'_>,
     name: &str,
@@ -270,7 +270,7 @@ fn coupled<const D: usize>(
     (read.name == body).then_some(Reading::Coupled(place))
 }
 
-/// What a hoop stress goes around or a moment is about; the origin where nothing is said.
+/// Centre of a hoop stress or a moment; the origin by default.
 fn center<const D: usize>(table: Table<'_>, quantity: &Quantity) -> Result<[f64; D], Fault> {
     match table.entry("center") {
         None => Ok([0.0; D]),

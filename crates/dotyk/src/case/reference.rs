@@ -1,9 +1,9 @@
-//! Published, analytic and earlier values of a case, and how a computed value is judged against them.
+//! Published, analytic and earlier values of a case, and the comparison of computed values with them.
 //!
 //! `reference.toml` beside the case files holds `[[value]]` tables, each for one case or several. A value is judged by a
 //! relative tolerance (|computed − value| ≤ tolerance·|value|; absolute where the value is zero) or by a band fixed
-//! beforehand (lo ≤ computed ≤ hi). A published value may be shown without a verdict. One that is known to lie outside
-//! keeps its band and says why (`known`): it is told with its reason, and is an error as soon as it lies inside.
+//! beforehand (lo ≤ computed ≤ hi). A published value may be shown without a verdict. A value known to lie outside keeps its
+//! band and has a reason (`known`): it is reported with the reason, and is an error as soon as it lies inside.
 
 use crate::case::document::{self, Node, Span, Table};
 use crate::case::error::{CaseError, Fault, read_text};
@@ -13,7 +13,7 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Where a reference value comes from.
+/// Origin of a reference value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// A closed formula.
@@ -46,7 +46,7 @@ pub enum Criterion {
     NotJudged,
 }
 
-/// What comes of a comparison.
+/// Result of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// Inside the tolerance or band.
@@ -109,7 +109,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// What is compared: the probe's value scaled, or its percentage against the `other` case; less `minus` in both.
+    /// The compared value: the probe's value scaled, or its percentage against the `other` case; less `minus` in both.
     pub fn computed(&self, value: f64, other: Option<f64>) -> f64 {
         match other {
             None => self.scale * value,
@@ -152,7 +152,7 @@ impl Reference {
         (computed - self.value) / self.size()
     }
 
-    /// What differences are relative to.
+    /// The scale of relative differences.
     fn size(&self) -> f64 {
         match self.value {
             0.0 => 1.0,
@@ -192,7 +192,7 @@ impl References {
 
     /// Checks that all cases, probes and steps exist; `find` finds a case by the name of its file.
     ///
-    /// Errors: what is not there, with its place.
+    /// Errors: missing cases, probes or steps, with their places.
     pub fn check<'m>(&self, find: impl Fn(&str) -> Option<&'m AnyCase>) -> Result<(), CaseError> {
         for reference in &self.values {
             let fault = |key, message, label: &str| reference.fault(key, message).label(label);
@@ -391,7 +391,7 @@ fn known(table: Table<'_>, criterion: Criterion) -> Result<Option<String>, Fault
     }
 }
 
-/// A number ≥ 0: zero asks for the same number.
+/// A number ≥ 0: zero requires the same number.
 fn tolerance(node: &Node) -> Result<f64, Fault> {
     let value = node.number()?;
     if value >= 0.0 {
@@ -545,11 +545,11 @@ tolerance = 1e-9
         assert_eq!(force.known.as_deref(), Some("another mesh"));
         assert_eq!(force.judge(1.71), Verdict::Known);
         assert_eq!(force.judge(1.7), Verdict::Unexpected);
-        // what is not there is not what is known
+        // a missing value is not a known deviation
         assert_eq!(force.judge(f64::NAN), Verdict::Outside);
         let error_of = references.unexpected(force);
         assert_eq!((error_of.line(), error_of.column()), (Some(16), Some(9)));
-        // without a verdict or without words it says nothing
+        // without a verdict or without words it is useless
         let e = error("judged = false", "judged = false\nknown = \"so\"");
         assert_eq!(e.line(), Some(23));
         assert_eq!(

@@ -1,10 +1,10 @@
-//! A case as a run: solved step by step, with what stands where a step has no answer.
+//! A case as a run: solved step by step, with the last iterate where a step has no answer.
 
 use crate::case::{Case, CaseError};
 use crate::model::{Error, Objection, Solution, told_in_steps};
 use std::fmt;
 
-/// What came of a case.
+/// Result of a case.
 #[derive(Debug)]
 pub struct Run<const D: usize> {
     /// The load steps that have an answer, and after them the last iterate of the one that did not converge, if one did not.
@@ -26,12 +26,12 @@ pub struct Failure {
     pub reason: String,
     /// The part of it that the bodies can bear, where that is known.
     pub carried: Option<f64>,
-    /// What is wrong with the input; `None` where the iteration did not converge.
+    /// The error of the input; `None` where the iteration did not converge.
     pub refusal: Option<CaseError>,
 }
 
 impl<const D: usize> Case<D> {
-    /// What became of its load steps.
+    /// The run from the result of its load steps.
     pub(crate) fn became(&self, solved: Result<Vec<Solution<D>>, Error<D>>) -> Run<D> {
         let times = &self.model.times;
         let failed = |steps: &[Solution<D>], reason: String, refusal| Failure {
@@ -91,7 +91,7 @@ impl<const D: usize> Run<D> {
         self.failure.is_none()
     }
 
-    /// What is worth writing: the steps that have an answer; if none has, the last iterate of the first.
+    /// The steps to be written: those with an answer, or, if no step has an answer, the last iterate of the first.
     pub fn standing(&self) -> &[Solution<D>] {
         let certified = self.steps.iter().filter(|step| step.converged).count();
         &self.steps[..certified.max(1).min(self.steps.len())]
@@ -102,14 +102,14 @@ impl<const D: usize> Run<D> {
         self.steps.iter().map(|step| step.solver.iterations).sum()
     }
 
-    /// Warnings of all steps that stand, each once; of those that differ in their figures alone that with the largest.
+    /// Warnings of all written steps, each once; of warnings that differ only in figures the one with the largest.
     pub fn warnings(&self) -> Vec<String> {
         told_in_steps(self.standing().iter().map(|step| &step.warnings[..]))
     }
 }
 
 impl<const D: usize> fmt::Display for Run<D> {
-    /// Why it ended early, with step and method; nothing if it did not.
+    /// Why it ended early, with step and method; empty if it did not.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(failure) = &self.failure else {
             return Ok(());

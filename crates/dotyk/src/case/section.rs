@@ -1,4 +1,4 @@
-//! `[[section]]` of a case file: which body is cut, where, and what it can bear.
+//! `[[section]]` of a case file: the body, its cuts, and its capacity.
 
 use crate::case::body::side;
 use crate::case::document::{Node, Table, Value, coordinates, name};
@@ -53,7 +53,7 @@ pub(crate) fn section<const D: usize>(
     Ok(section)
 }
 
-/// What is wrong with the cuts of a section, where it is written.
+/// An error of the cuts of a section, at its place in the text.
 fn fault(error: &SectionError, table: Table<'_>, what: &str) -> Fault {
     let span = |key: &str| table.get(key).map_or(table.span, |node| &node.span);
     let message = format!("{what}: {error}");

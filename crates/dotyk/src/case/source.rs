@@ -23,8 +23,8 @@ pub enum AnyCase {
 impl AnyCase {
     /// Reads a case file of which some parameters have another value, as [`Case::<2>::read_with`](Case).
     ///
-    /// Errors: what cannot be read; what is not TOML; every mistake with its line and column; parameters that the file
-    /// does not have.
+    /// Errors: an unreadable file; invalid TOML; every mistake with its line and column; parameters that the file does not
+    /// have.
     pub fn read_with(path: &Path, given: &[(String, String)]) -> Result<Self, CaseError> {
         let text = read_text(path)?;
         Self::of(Source::at(path, &text, given)?)
@@ -84,9 +84,9 @@ fn probes<const D: usize>(model: &Model<D>) -> Vec<(&str, bool)> {
 /// A text of a case, parsed.
 pub(crate) struct Source<'t> {
     pub text: &'t str,
-    /// How messages call it.
+    /// Its name in messages.
     pub name: String,
-    /// Where its paths start.
+    /// The folder of its paths.
     pub folder: &'t Path,
     pub document: Node,
     pub parameters: Rc<Parameters>,
@@ -110,7 +110,7 @@ impl<'t> Source<'t> {
 
     /// A text in which some parameters have another value.
     ///
-    /// Errors: what is not TOML; parameters.
+    /// Errors: invalid TOML; wrong parameters.
     pub fn parse(
         text: &'t str,
         name: &str,

@@ -12,7 +12,7 @@ use crate::case::suggest::listed;
 use crate::mesh::Mesh;
 use crate::model::{Bed, Spring};
 
-/// A spring; at each point of a name one.
+/// A spring: one at each point of a name.
 pub(crate) fn springs<const D: usize>(
     node: &Node,
     couples: &mut Couples<'_, D>,

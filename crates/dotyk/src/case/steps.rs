@@ -60,13 +60,13 @@ impl Steps {
         Ok(steps)
     }
 
-    /// When something is there that has the key `active`; always, without it.
+    /// The times of a part with the key `active`; always, without it.
     pub fn active(&self, table: Table<'_>) -> Result<Active, Fault> {
         self.read_active(table.get("active"), keys::ACTIVE)
             .map(|read| read.0)
     }
 
-    /// The same of a body, with what is left of its forces when it has gone.
+    /// The same for a body, with the remaining part of its forces after it has gone.
     pub fn active_body(&self, table: Table<'_>) -> Result<(Active, Option<Field>), Fault> {
         let node = table.get("active");
         let (active, table) = self.read_active(node, keys::ACTIVE_BODY)?;

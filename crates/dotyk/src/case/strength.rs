@@ -1,4 +1,4 @@
-//! `strength` of a material: which criterion its keys mean, and constants such as a material may have.
+//! `strength` of a material: the criterion of its keys, with a check of its constants.
 
 use crate::case::document::{Entry, Node, Table};
 use crate::case::error::Fault;
@@ -7,7 +7,7 @@ use crate::case::suggest::listed;
 use crate::fem::FemError;
 use crate::model::{Plastic, Strength};
 
-/// The criteria: name, keys that must be there, keys that may.
+/// The criteria: name, required keys, optional keys.
 const CRITERIA: [(&str, &[&str], &[&str]); 4] = [
     ("von Mises", &["yield"], &[]),
     (
@@ -23,7 +23,7 @@ const CRITERIA: [(&str, &[&str], &[&str]); 4] = [
 pub(crate) fn strength(node: &Node) -> Result<Strength, Fault> {
     let table = node.table(keys::STRENGTH)?;
     let written = node.entries()?;
-    // `tension` belongs to two of them: the first other key tells which
+    // `tension` belongs to two of them: the first other key decides
     let first = written.iter().find(|entry| entry.key != "tension");
     let has = |needed: &[&str]| first.is_some_and(|first| needed.contains(&first.key.as_str()));
     let meant = CRITERIA.iter().find(|(_, needed, _)| has(needed));
@@ -70,7 +70,7 @@ pub(crate) fn strength(node: &Node) -> Result<Strength, Fault> {
     Ok(strength)
 }
 
-/// How a material with a strength yields, if it does: `plastic`, and what goes with it.
+/// The plasticity of a material with a strength, if it has one: `plastic` and its keys.
 pub(crate) fn plastic(
     table: Table<'_>,
     strength: Option<&Strength>,

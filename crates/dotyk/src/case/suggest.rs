@@ -1,16 +1,16 @@
-//! What a word that is not known was meant to be: a slip of the pen, or a word of another program.
+//! Suggestions for an unknown word: a misspelling, or a word of another program.
 //!
 //! Distance of two words: insertions, deletions, replacements and swaps of neighbours, each counted once
 //! (optimal string alignment); case does not count. Words of other programs are those of their manuals and input files:
-//! Abaqus, Code_Aster, PLAXIS, CalculiX, and what textbooks write.
+//! Abaqus, Code_Aster, PLAXIS, CalculiX, and textbooks.
 
 use crate::case::keys::ALL;
 
-/// Words of other programs and what they mean here; the file says how to read it.
+/// Words of other programs and their meanings here; the file explains its format.
 const MEANINGS: &str = include_str!("words.txt");
 
-/// Our word, where it stands (`-` among the words asked for), what others call it; `!` for a word of ours and what to do
-/// where there is none.
+/// Our word, its table (`-` among the words of a choice), and the words of others; `!` in place of our word, with advice, where we
+/// have no such word.
 fn meanings() -> impl Iterator<Item = [&'static str; 3]> {
     let lines = MEANINGS.lines().filter(|line| !line.starts_with('#'));
     lines.filter_map(|line| {
@@ -24,7 +24,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     known.into_iter().min_by_key(|k| distance(name, k))
 }
 
-/// What a word of another program or a textbook means here, where it is not one of the known words misspelled.
+/// The meaning of a word of another program or a textbook, if it is not a misspelled known word.
 pub fn meaning<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<String> {
     let plain: String = word
         .to_lowercase()
@@ -35,7 +35,7 @@ pub fn meaning<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> 
     if let Some([word, ..]) = ours().find(|[word, ..]| known.clone().any(|known| known == *word)) {
         return Some(format!("here it is `{word}`"));
     }
-    // one letter of a short word makes another word
+    // a changed letter of a short word makes another word
     let slip = |near: &str| plain.len() > 2 && distance(word, near) <= 1;
     if nearest(word, known.clone()).is_some_and(slip) {
         return None;
@@ -47,7 +47,7 @@ pub fn meaning<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> 
     })
 }
 
-/// Where a key stands that is none of these, nor one of them misspelled, but one of other tables.
+/// The tables of a key that is not one of these, nor a misspelled one, but belongs to other tables.
 pub fn elsewhere(key: &str, keys: &[&str]) -> Option<String> {
     let off = |known: &str| distance(key, known);
     let slips = if key.chars().count() > 4 { 1 } else { 0 };
@@ -72,7 +72,7 @@ pub fn elsewhere(key: &str, keys: &[&str]) -> Option<String> {
             tables.push(table);
         }
     }
-    // a word of many tables says nothing of where this one belongs
+    // a key of many tables gives no hint of the intended one
     (tables.len() <= 2).then(|| {
         let tables: Vec<String> = tables.iter().map(|table| format!("`{table}`")).collect();
         format!("`{word}` is a key of {}", tables.join(" and "))
@@ -140,7 +140,7 @@ mod tests {
                 keys::CASE,
                 Some("`tolerance` is a key of `solver`"),
             ),
-            // slips of the pen stay where they are, and words of many tables lead nowhere
+            // misspelled keys are not moved, and keys of many tables give no hint
             ("surfaces", keys::BODY, None),
             ("meterial", keys::BODY, None),
             ("nmae", keys::MATERIAL, None),
@@ -212,7 +212,7 @@ mod tests {
             let found = in_(known, word).unwrap_or_default();
             assert!(found.starts_with(expected), "{word}: {found}");
         }
-        // a slip of the pen is one, whatever the word means elsewhere
+        // a misspelling counts first, whatever the word means elsewhere
         assert_eq!(in_(&contact, "side"), None);
         assert_eq!(in_(&body, "lod"), None);
     }

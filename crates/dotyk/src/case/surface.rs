@@ -12,7 +12,7 @@ const SHAPES: [&[&str]; 2] = [
     &["plane", "cylinder", "cone", "sphere"],
 ];
 
-/// Word for a side that is as its facets are.
+/// Word for a side without a true surface behind its facets.
 const FACETS: &str = "facets";
 
 /// Shapes of D dimensions.
@@ -20,7 +20,7 @@ pub(crate) fn shapes<const D: usize>() -> impl Iterator<Item = &'static str> + C
     SHAPES[D - 2].iter().copied()
 }
 
-/// The true surface behind a side: `{ circle = .. }`, `{ plane = .. }` ..., or "facets" where its facets are what it is.
+/// The true surface behind a side: `{ circle = .. }`, `{ plane = .. }` ..., or "facets" without one.
 pub(crate) fn true_surface<const D: usize>(node: &Node) -> Result<Option<Surface<D>>, Fault> {
     if node.text().is_ok() {
         return node.choice("surface", &[(FACETS, None)]);
@@ -50,7 +50,7 @@ pub(crate) fn true_surface<const D: usize>(node: &Node) -> Result<Option<Surface
     }
 }
 
-/// A shape of D dimensions, and whether the body is inside of it, where it is round.
+/// A shape of D dimensions, and whether the body is inside it, if it is round.
 pub(crate) fn surface<const D: usize>(entry: &Entry) -> Result<(Surface<D>, bool), Fault> {
     let (node, what) = (&entry.node, format!("a {}", entry.key));
     if !shapes::<D>().any(|shape| shape == entry.key) {

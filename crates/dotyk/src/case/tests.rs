@@ -1,4 +1,4 @@
-//! What a case file becomes, and what its mistakes are called.
+//! Models of case files, and messages of their mistakes.
 
 use super::*;
 use crate::geometry::{Field, Surface};
@@ -108,7 +108,7 @@ fn the_example_of_the_documentation_parses() {
     assert!(matches!(contact.gap, Some(Gap::Geometric)));
     assert!(matches!(contact.law, Law::Frictionless));
     assert_eq!(model.probes[0].name, "middle pressure");
-    // how much memory there is, is of the machine
+    // the amount of memory depends on the machine
     let told = SolverOptions {
         memory: None,
         ..model.solver.clone()

@@ -14,7 +14,7 @@ use crate::output::text::{Labels, count, number, quantity, without_noise};
 /// Most bars whose course along themselves is drawn.
 const DRAWN: usize = 6;
 
-/// The section; nothing where there is no bar.
+/// The section; empty without bars.
 pub fn bars_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     if run.model.bars.is_empty() {
         return Markup::default();
@@ -33,7 +33,7 @@ pub fn bars_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> M
     out + along(run, labels)
 }
 
-/// What a bar does in each step in which it is there: number of the step from 1, and its forces.
+/// Forces of a bar in each step in which it is present: number of the step from 1, and its solution.
 fn courses<'a, const D: usize>(
     run: &'a Overview<'_, D>,
     bar: &'a Bar<D>,

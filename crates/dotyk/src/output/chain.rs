@@ -7,7 +7,7 @@ pub fn tangent(normal: Point<2>) -> Point<2> {
     [-normal[1], normal[0]]
 }
 
-/// What of a vector points along the contact tangent of the plane.
+/// Component of a vector along the contact tangent of the plane.
 pub fn along_tangent<const D: usize>(vector: Point<D>, normal: Point<D>) -> f64 {
     dot([vector[0], vector[1]], tangent([normal[0], normal[1]]))
 }
@@ -25,8 +25,8 @@ pub fn arc_lengths<const D: usize>(points: &[Point<D>]) -> Vec<f64> {
         .collect()
 }
 
-/// Angles of points about the centre of the circle that they lie on, in degrees from +x, without jumps; `None` where they
-/// lie on none.
+/// Angles of points about the centre of their common circle, in degrees from +x, without jumps; `None` if they do not lie on a
+/// circle.
 pub fn angles(points: &[Point<2>]) -> Option<Vec<f64>> {
     let (center, _) = circle_through(points)?;
     let mut before = f64::NAN;
@@ -42,7 +42,7 @@ pub fn angles(points: &[Point<2>]) -> Option<Vec<f64>> {
     Some(each.collect())
 }
 
-/// A circle through points (centre, radius), where they lie on one within half a per cent.
+/// A circle through points (centre, radius), if they lie on a circle within half a per cent.
 ///
 /// Source: algebraic least-squares fit, I. Kåsa, IEEE Trans. Instrum. Meas. 25 (1976), as described in textbooks.
 fn circle_through(points: &[Point<2>]) -> Option<(Point<2>, f64)> {

@@ -11,7 +11,7 @@ use crate::output::svg::{ALARM, Anchor, MUTED, SERIES, Svg, Type, short, text_wi
 use crate::output::text::{count, seconds};
 use std::fmt::Write;
 
-/// Content of `compare.csv`; an empty field says that the method has no ρ.
+/// Content of `compare.csv`; the field of ρ is empty for a method without ρ.
 pub fn comparison_csv(comparison: &Comparison) -> String {
     let mut out = String::from(
         "method,rho,rho_lambda_max,converged,iterations,products,seconds,difference\n",

@@ -1,4 +1,4 @@
-//! Sections of the report on contacts: what they transmit, the balance of the bodies, and their nodes.
+//! Sections of the report on contacts: their forces, the balance of the bodies, and their nodes.
 
 use crate::geometry::{Point, add_scaled, norm, sub};
 use crate::model::{Analysis, ContactNode, ContactSolution, Model, Solution, Status};
@@ -12,10 +12,10 @@ use crate::output::text::{
     Labels, count, number, power, quantity, vector, vector_on, without_noise,
 };
 
-/// More contact nodes than this are left to `contact.csv`.
+/// With more contact nodes than this they are listed only in `contact.csv`.
 const MOST_ROWS: usize = 600;
 
-/// What the contacts transmit, with a figure for each.
+/// The forces of the contacts, with a figure for each.
 pub fn contacts<const D: usize>(
     solution: &Solution<D>,
     figures: &Figures<'_>,
@@ -78,11 +78,11 @@ pub fn contacts<const D: usize>(
     out + drawn.into_iter().collect()
 }
 
-/// Normals that differ by more are not those of a flat side.
+/// A side is flat if its normals differ by at most this.
 const FLAT: f64 = 1e-6;
 
 /// The angle by which a flat joint between two bodies of the plane gapes: the slope of its gap, by least squares, where it is
-/// open; `None` of one that is closed, or open all over.
+/// open; `None` for a joint that is closed, or open everywhere.
 fn opening_angle<const D: usize>(contact: &ContactSolution<D>) -> Option<f64> {
     let known = contact.nodes.iter().filter(|node| node.gap.is_finite());
     let known: Vec<_> = known.collect();
@@ -111,14 +111,14 @@ fn opening_angle<const D: usize>(contact: &ContactSolution<D>) -> Option<f64> {
     (spread > 0.0).then(|| (slope / spread).abs())
 }
 
-/// The least and the largest pressure of the nodes that touch.
+/// The least and the largest pressure of closed nodes.
 fn pressures<const D: usize>(contact: &ContactSolution<D>) -> String {
     let touching = contact.nodes.iter().filter(|n| in_contact(n.status));
     let most = largest(touching.clone().map(|n| n.pressure));
     let [low, high] = range(touching.map(|n| without_noise(n.pressure, most)));
     match low < high {
         true => format!("{} … {}", number(low), number(high)),
-        // one node, or none
+        // one node or no node
         false => number(if high.is_finite() { high } else { 0.0 }),
     }
 }

@@ -11,12 +11,12 @@ use crate::output::text::AXES;
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// Content of `contact.csv` for the steps of one run (numbered from 1), with what was there in each.
+/// Content of `contact.csv` for the steps of one run (numbered from 1), with the model of each.
 ///
-/// The columns `shear` and `slip` (in space `shear_x` ...) are there as soon as one contact bears shear (friction or tied).
-/// After the status: time of the step; in the plane `arc`, the length of the way from the first node along the undeformed side,
-/// and `angle`, where all nodes lie on a circle, about its centre in degrees from +x, running on past half a turn; the sides,
-/// "BODY.SIDE", of which the other is `obstacle` where it is one.
+/// The columns `shear` and `slip` (in space `shear_x` ...) are present if one contact bears shear (friction or tied).
+/// After the status: time of the step; in the plane `arc`, the distance from the first node along the undeformed side, and
+/// `angle`, if all nodes lie on a circle, about its centre in degrees from +x, continued beyond half a turn; the sides,
+/// "BODY.SIDE", the other one `obstacle` for an obstacle.
 pub fn contact_csv<const D: usize>(stages: &[Cow<'_, Model<D>>], steps: &[Solution<D>]) -> String {
     let mut contacts = stages.iter().flat_map(|stage| &stage.contacts);
     let shear = contacts.any(|contact| !matches!(contact.law, Law::Frictionless));
@@ -74,11 +74,10 @@ fn rows<const D: usize>(
     }
 }
 
-/// How `lines.csv` begins.
+/// Beginning of `lines.csv`.
 pub const LINES_HEAD: &str = "step,probe,s,x,y";
 
-/// Content of `lines.csv` for the steps of one run (numbered from 1), probe by probe; nothing where no probe is read along a
-/// line.
+/// Content of `lines.csv` for the steps of one run (numbered from 1), probe by probe; `None` without a probe along a line.
 pub fn lines_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     let mut out = format!("{LINES_HEAD}{}value\n", if D == 2 { "," } else { ",z," });
     let head = out.len();
@@ -97,11 +96,11 @@ pub fn lines_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     (out.len() > head).then_some(out)
 }
 
-/// How `bars.csv` begins.
+/// Beginning of `bars.csv`.
 pub const BARS_HEAD: &str = "step,bar,station,s,x,y";
 
 /// Content of `bars.csv` for the steps of one run (numbered from 1), stations numbered from 1: the middles of the elements of
-/// each bar, with N of one bar; nothing where there is none.
+/// each bar, with N of one bar; `None` without bars.
 pub fn bars_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     let mut out = format!("{BARS_HEAD}{}force\n", if D == 2 { "," } else { ",z," });
     let head = out.len();
@@ -121,12 +120,12 @@ pub fn bars_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     (out.len() > head).then_some(out)
 }
 
-/// How `sections.csv` begins.
+/// Beginning of `sections.csv`.
 pub const SECTIONS_HEAD: &str =
     "step,section,station,s,x,y,angle,thickness,N,V,M,stress_first,stress_second";
 
-/// Content of `sections.csv` for the steps of one run (numbered from 1), stations numbered from 1; nothing where no section is
-/// cut. With axial symmetry `hoop_N` and `hoop_M` follow, the forces around the axis.
+/// Content of `sections.csv` for the steps of one run (numbered from 1), stations numbered from 1; `None` without sections.
+/// With axial symmetry `hoop_N` and `hoop_M` follow, the forces around the axis.
 pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Option<String> {
     let hoop = model.analysis == Analysis::Axisymmetric;
     let more = if hoop { ",hoop_N,hoop_M" } else { "" };
@@ -156,11 +155,11 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
     (out.len() > head).then_some(out)
 }
 
-/// What makes a formula of a cell that begins with it.
+/// Characters with which a cell becomes a formula.
 const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
-/// A text as one cell: quoted where a comma, a quote or a new line would end it, and behind an apostrophe where a spreadsheet
-/// would take it for a formula, and run it.
+/// A text as one cell: quoted if a comma, a quote or a new line would end it, and preceded by an apostrophe if a spreadsheet would
+/// run it as a formula.
 pub fn quoted(text: &str) -> String {
     let guard = if text.starts_with(FORMULA) { "'" } else { "" };
     match text.contains([',', '"', '\n', '\r']) {

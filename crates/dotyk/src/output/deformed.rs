@@ -76,7 +76,7 @@ pub fn deformed_figure(scene: &Scene, solution: &Solution<2>) -> (Markup, String
     )
 }
 
-/// Says what is drawn in the last colour and is more.
+/// Words on values beyond the last colour.
 pub fn beyond_the_scale<const D: usize>(
     solution: &Solution<D>,
     scales: &[(Vec<usize>, f64)],
@@ -92,7 +92,7 @@ pub fn beyond_the_scale<const D: usize>(
             " The colours end at {}, which {} % of {} does not exceed: its largest, {} at {}, is at {}, where the theory has no \
              finite stress.",
             quantity(*high, &labels.stress),
-            // rounded down: all of it is never said
+            // rounded down: never 100 %
             (1000.0 * singular.share).floor() / 10.0,
             body.name,
             quantity(peak.most.value, &labels.stress),
@@ -122,8 +122,8 @@ fn magnification(scene: &Scene, solution: &Solution<2>, view: &View) -> f64 {
     }
 }
 
-/// What the colours of a body run to: its largest stress; where that is at a place where stresses are not finite, the usual one,
-/// if that is clearly less.
+/// End of the colour scale of a body: its largest stress, or, if that is at a place where stresses are not finite, the usual one if
+/// it is clearly less.
 fn shown_stress<const D: usize>(body: &BodySolution<D>) -> f64 {
     let most = largest(body.von_mises.iter().copied().filter(|v| v.is_finite())).max(0.0);
     let Some(singular) = body.peak.and_then(|peak| peak.place) else {
@@ -251,7 +251,7 @@ pub fn colour_bars<const D: usize>(
     }
 }
 
-/// A strip of the colours with the ticks of its axis, and its height; with a tip where there is more than its end.
+/// A strip of the colours with the ticks of its axis, and its height; with a tip if values exceed its end.
 pub fn colour_bar(svg: &mut Svg, [left, top]: Pixel, height: f64, axis: &Axis, more: bool) -> f64 {
     let strip: Vec<u8> = (0..colour::STEPS).rev().map(|i| 1 + i as u8).collect();
     let picture = png(1, colour::STEPS, &strip, &colour::palette());
@@ -259,7 +259,7 @@ pub fn colour_bar(svg: &mut Svg, [left, top]: Pixel, height: f64, axis: &Axis, m
     svg.picture([left, top], size, &picture);
     svg.rectangle([left, top], size, INK, "none");
     if more {
-        // more than the end of the scale has its colour, too
+        // values beyond the end of the scale have a colour, too
         let tip = [[left, top], [left + 14.0, top], [left + 7.0, top - 9.0]];
         let end = colour::palette()[colour::STEPS];
         let fill = format!("#{:02x}{:02x}{:02x}", end[0], end[1], end[2]);
@@ -283,7 +283,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// An empty one for a view.
+    /// An empty canvas for a view.
     pub fn new(view: &View) -> Self {
         let (width, height) = (
             (view.size[0] * FINE).ceil() as usize,
@@ -302,7 +302,7 @@ impl Canvas {
         png(self.width, self.height, &self.pixels, &colour::palette())
     }
 
-    /// All cells of a mesh with its nodes at `places`; `values` run from 0 to `high`, and where one is NaN nothing is drawn.
+    /// All cells of a mesh with its nodes at `places`; `values` run from 0 to `high`, and places with NaN are not drawn.
     pub fn mesh(
         &mut self,
         (mesh, borders): (&Mesh<2>, &Borders),
@@ -322,7 +322,7 @@ impl Canvas {
         }
     }
 
-    /// Linear colours over one triangle; what lies outside the picture is left out.
+    /// Linear colours over one triangle, clipped to the picture.
     fn triangle(&mut self, [a, b, c]: [Vertex; 3]) {
         let xs = [a.0[0], b.0[0], c.0[0]];
         let ys = [a.0[1], b.0[1], c.0[1]];

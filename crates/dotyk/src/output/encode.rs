@@ -23,14 +23,14 @@ pub fn png(width: usize, height: usize, pixels: &[u8], palette: &[[u8; 3]]) -> V
     end(out, pixels, width)
 }
 
-/// Levels of red, green and blue that a picture tells apart, as a power of two.
+/// Levels of red, green and blue of a picture, as a power of two.
 const LEVELS: u32 = 6;
 
 /// Most colours of a picture.
 const COLOURS: usize = 256;
 
-/// A PNG picture of any colours, shown by the 256 that occur most: rarer ones, blends at edges, by the nearest of them. It
-/// takes half of the room and of the time of one in all colours.
+/// A PNG picture of any colours, reduced to the 256 most frequent ones; rarer ones, blends at edges, take the nearest of these. It
+/// takes half of the size and of the time of a picture in all colours.
 ///
 /// Shapes: `pixels` (height · width,), row by row from the top.
 pub fn png_nearest(width: usize, height: usize, pixels: &[[u8; 3]]) -> Vec<u8> {
@@ -69,7 +69,7 @@ fn nearest(palette: &[[u8; 3]], colour: [u8; 3]) -> u8 {
     near.map_or(0, |(index, _)| index as u8)
 }
 
-/// The pixels in rows of this length, and what closes a file.
+/// The pixels in rows of this length, and the end of the file.
 ///
 /// No row has a filter: our pictures are flat areas, lines and gradients of few colours, which are as small without as with the
 /// best of five for each row, and take half of the time.

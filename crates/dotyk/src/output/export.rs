@@ -12,10 +12,10 @@ use crate::output::{Error, market};
 use std::fmt::Write as _;
 use std::io;
 
-/// Up to so many entries G stands in the archive with its zeros.
+/// Most entries of a G that is in the archive with its zeros.
 const WHOLE: usize = 10_000_000;
 
-/// Files that are not there in every export: those of what has no entries, and of an answer.
+/// Files that not every export has: those of arrays without entries, and of an answer.
 pub const OPTIONAL: [&str; 10] = [
     "F.mtx",
     "d.mtx",
@@ -83,7 +83,7 @@ impl Sparse {
         whole
     }
 
-    /// Its parts, as `scipy.sparse.csr_array` takes them.
+    /// Its arrays, as for `scipy.sparse.csr_array`.
     fn put_into(&self, archive: &mut Archive<'_>, name: &str) {
         archive.floats(
             &format!("{name}_data"),
@@ -176,7 +176,7 @@ pub fn put<const D: usize>(
     stage.put_with("dual.npz", &mut |out| archive.write(out))
 }
 
-/// `.mtx` files, but for matrices without rows or columns: readers stumble over these.
+/// `.mtx` files, except for matrices without rows or columns, which readers reject.
 struct Market<'a> {
     stage: &'a mut Stage,
 }
@@ -211,7 +211,7 @@ impl Market<'_> {
     }
 }
 
-/// Content of `rows.csv`: what each contact force is.
+/// Content of `rows.csv`: description of each contact force.
 fn rows_csv<const D: usize>(dual: &Dual<D>, unknowns: &[Unknown<D>]) -> String {
     let blocks = dual.problem().admissible.blocks();
     let mut out = format!(

@@ -1,6 +1,6 @@
-//! The drawings of a page: what of a model is drawn, in the plane and in space.
+//! The drawings of a page, in the plane and in space.
 //!
-//! Pages are written for any dimension and ask here for their drawings; where there is none they get an empty text.
+//! Pages are written for any dimension and get their drawings here; a missing drawing is an empty text.
 
 use crate::geometry::{Point, padded};
 use crate::model::{Model, SideRef, Solution};
@@ -25,7 +25,7 @@ pub struct Figures<'a> {
     space: Option<space::Scene<'a>>,
 }
 
-/// A thing of D dimensions as one of the plane or of space, where it is one.
+/// A value of D dimensions as one of the plane or of space, if it is one.
 fn known<T: Any, P: Any>(thing: &T) -> Option<&P> {
     (thing as &dyn Any).downcast_ref()
 }
@@ -39,7 +39,7 @@ impl<'a> Figures<'a> {
         }
     }
 
-    /// Mesh, supports and loads, and these contact nodes that face nothing.
+    /// Mesh, supports and loads, and these contact nodes without an opposite side.
     pub fn model<const D: usize>(&self, alone: &[Point<D>]) -> Markup {
         if let Some(scene) = &self.space {
             let alone: Vec<Point<3>> = alone.iter().map(|p| padded(*p)).collect();

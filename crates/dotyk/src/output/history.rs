@@ -12,7 +12,7 @@ const MOST: usize = 1200;
 /// More points than this are drawn without dots.
 const MOST_DOTS: usize = 60;
 
-/// The figure as an SVG element; nothing without a history.
+/// The figure as an SVG element; `None` without a history.
 pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) -> Option<Markup> {
     let history = thinned(&solution.solver.history);
     if history.is_empty() {

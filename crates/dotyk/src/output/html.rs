@@ -13,7 +13,7 @@ pub fn script() -> Markup {
     markup!("<script>{}</script>\n", Markup::own(SCRIPT))
 }
 
-/// A page of its own. It tells the browser to ask nobody for anything, and to run no script but ours.
+/// A complete page. It tells the browser to load nothing from elsewhere, and to run no script but ours.
 pub fn page(title: &str, intro: &Markup, body: &Markup, footer: &str) -> Markup {
     markup!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -31,7 +31,7 @@ pub fn page(title: &str, intro: &Markup, body: &Markup, footer: &str) -> Markup 
     )
 }
 
-/// A box that is seen first; `class` is `good`, `warn` or `bad`.
+/// A banner; `class` is `good`, `warn` or `bad`.
 pub fn banner(class: &str, title: &str, body: &Markup) -> Markup {
     markup!(
         "<div class=\"banner {}\"><b>{}</b>{}</div>\n",
@@ -41,7 +41,7 @@ pub fn banner(class: &str, title: &str, body: &Markup) -> Markup {
     )
 }
 
-/// A drawing with what it shows.
+/// A drawing with title and caption.
 pub fn figure(svg: &Markup, title: &str, caption: &str) -> Markup {
     markup!(
         "<figure>\n{}<figcaption><b>{}.</b> {}</figcaption>\n</figure>\n",
@@ -108,7 +108,7 @@ pub fn described(content: Markup) -> Entry {
     }
 }
 
-/// A table that scrolls where it is too wide.
+/// A table that scrolls if it is too wide.
 pub fn table(heads: &[Head], rows: Vec<Vec<Entry>>) -> Markup {
     let class = |words: bool| match words {
         true => markup!(" class=\"text\""),

@@ -19,7 +19,7 @@ use crate::output::text::{Labels, number, quantity, without_noise};
 /// More nodes than this are drawn as a line without dots.
 const MOST_DOTS: usize = 120;
 
-/// The figure as an SVG element; nothing for a contact without nodes.
+/// The figure as an SVG element; empty for a contact without nodes.
 pub fn interface_figure(
     scene: &Scene,
     contact: &ContactSolution<2>,
@@ -252,7 +252,7 @@ fn shade(svg: &mut Svg, frame: &Frame, chain: &[&ContactNode<2>], arcs: &[f64]) 
     }
 }
 
-/// What the bands mean, right-aligned at `end`.
+/// The key of the bands, right-aligned at `end`.
 fn key(svg: &mut Svg, end: Pixel, chain: &[&ContactNode<2>]) {
     let mut x = end[0];
     let occurs = |band: &&Band| chain.iter().any(|n| band.2(n.status));
@@ -415,10 +415,10 @@ fn interface_line(svg: &mut Svg, chain: &[&ContactNode<2>], feet: &[Pixel]) {
     }
 }
 
-/// Places know their differences to this part of [`length_scale`]: it is rounding below 10⁻¹⁴ of them.
+/// Weight of the places in [`length_scale`]: their differences are rounding below 10⁻¹⁴ of them.
 const OF_PLACES: f64 = 1e-4;
 
-/// The largest length that a gap is the difference of; of the places themselves a small part, they are exact but for the last
+/// The largest length whose difference is a gap; of the places themselves only a small part, as they are exact up to the last
 /// digits.
 pub fn length_scale<'a, const D: usize>(nodes: impl Iterator<Item = &'a ContactNode<D>>) -> f64 {
     let lengths = nodes.flat_map(|n| {
@@ -433,7 +433,7 @@ pub fn length_scale<'a, const D: usize>(nodes: impl Iterator<Item = &'a ContactN
     largest(lengths.map(f64::abs))
 }
 
-/// Largest gap of a contact, zero where there are rounding errors only; NaN when no node has a gap.
+/// Largest gap of a contact, zero if it is only rounding; NaN if no node has a gap.
 pub fn largest_gap<const D: usize>(nodes: &[ContactNode<D>]) -> f64 {
     let gap = largest(nodes.iter().map(|n| n.gap));
     without_noise(gap, length_scale(nodes.iter()))

@@ -1,7 +1,7 @@
 //! `summary.json`: the answer in numbers for programs.
 //!
-//! The order of the keys is that of the structs. A number that is not finite becomes `null`. What there may be is said by
-//! `docs/reference/summary.schema.json`, and what it means by `files.md` beside it: tests hold them together.
+//! The order of the keys is that of the structs. A number that is not finite becomes `null`. The keys are in
+//! `docs/reference/summary.schema.json`, and their meanings in `files.md` beside it: tests compare them.
 
 use crate::dual::Figure;
 use crate::model::{
@@ -17,12 +17,12 @@ use std::collections::BTreeMap;
 /// Version that every file names.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Version of the keys: another one where a key goes or means something else, the same where keys come.
+/// Version of the keys: it changes if a key is removed or changes its meaning, not if keys are added.
 const SCHEMA: u32 = 1;
 
 /// Content of `summary.json`: the last step and, where there are several, all that were solved in `steps`.
 ///
-/// `converged` is that of the run: one that ends in failure says `false` whatever its last iterate looks like.
+/// `converged` is that of the run: `false` for a run that ends in failure, whatever its last iterate.
 pub fn summary<const D: usize>(run: &Overview<'_, D>) -> String {
     let last = Summary {
         converged: run.converged,
@@ -38,7 +38,7 @@ pub fn summary<const D: usize>(run: &Overview<'_, D>) -> String {
     };
     let earlier = run.earlier.iter().enumerate();
     let earlier = earlier.map(|(i, solution)| step_summary(run, solution, i));
-    // the step that failed is not one of them
+    // the failed step is not one of them
     let good = run
         .last
         .converged
@@ -125,12 +125,12 @@ fn step_summary<'a, const D: usize>(
     }
 }
 
-/// Largest value, NaN passed over; NaN when there is none.
+/// Largest value, NaN skipped; NaN without values.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(f64::NAN, f64::max)
 }
 
-/// Smallest and largest value, NaN passed over; NaN when there is none.
+/// Smallest and largest value, NaN skipped; NaN without values.
 pub fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::NAN; 2], |[low, high], value| {
         [low.min(value), high.max(value)]
@@ -171,7 +171,7 @@ struct Document<'a> {
     /// As the case names them.
     #[serde(skip_serializing_if = "Option::is_none")]
     units: Option<UnitsEntry>,
-    /// Of the case; only where it has some.
+    /// Of the case; only if it has parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     parameters: Option<BTreeMap<&'a str, f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -182,7 +182,7 @@ struct Document<'a> {
 struct Summary<'a> {
     case: &'a str,
     version: &'a str,
-    /// From 1; only where there are several steps.
+    /// From 1; only with several steps.
     #[serde(skip_serializing_if = "Option::is_none")]
     step: Option<usize>,
     /// As the case names it.
@@ -195,7 +195,7 @@ struct Summary<'a> {
     /// Of the plastic strain, each an implicit one; only where a material yields.
     #[serde(skip_serializing_if = "Option::is_none")]
     increments: Option<usize>,
-    /// Of the fixed point that solved Coulomb's law, where one did.
+    /// Of the fixed point, if it solved Coulomb's law.
     #[serde(skip_serializing_if = "Option::is_none")]
     contraction: Option<f64>,
     dofs: usize,
@@ -204,7 +204,7 @@ struct Summary<'a> {
     peak_memory_bytes: u64,
     seconds: SecondsEntry,
     certificate: CertificateEntry,
-    /// Where the overlap of the certificate is, if that does not hold.
+    /// The overlap of the certificate, if that does not hold.
     #[serde(skip_serializing_if = "Option::is_none")]
     overlap: Option<OverlapEntry<'a>>,
     contacts: Vec<ContactEntry<'a>>,
@@ -221,7 +221,7 @@ struct Summary<'a> {
     failed_step: Option<FailedEntry<'a>>,
 }
 
-/// What numbers are measured in; angles are in radians.
+/// Units of the numbers; angles are in radians.
 #[derive(Serialize)]
 struct UnitsEntry {
     length: Option<String>,
@@ -298,7 +298,7 @@ impl Serialize for CertificateEntry {
     }
 }
 
-/// The overlap of deformed bodies that nothing explains.
+/// The overlap of deformed bodies beyond the explained one.
 fn unexplained<const D: usize>(solution: &Solution<D>) -> Option<&Intrusion<D>> {
     let found = solution.overlap.as_ref();
     found.filter(|_| !solution.certificate.overlap.holds())
@@ -307,7 +307,7 @@ fn unexplained<const D: usize>(solution: &Solution<D>) -> Option<&Intrusion<D>> 
 /// Where two deformed bodies overlap.
 #[derive(Clone, Serialize)]
 struct OverlapEntry<'a> {
-    /// The one whose node it is, and the body, or the contact whose obstacle, it is in.
+    /// The body of the node, and the body (or the contact with the obstacle) that it overlaps.
     bodies: [&'a str; 2],
     /// Undeformed position.
     at: &'a [f64],
@@ -523,7 +523,7 @@ struct BodyEntry<'a> {
     max_von_mises_at: Option<&'a [f64]>,
     /// What is singular there; null where nothing is.
     max_von_mises_place: Option<String>,
-    /// The largest one beside such places, and where; null where there is no such place, or nothing beside it.
+    /// The largest one away from such places, and its point; null without such a place, or without nodes away from it.
     max_von_mises_away: Option<f64>,
     max_von_mises_away_at: Option<&'a [f64]>,
     strain_energy: f64,
@@ -533,12 +533,12 @@ struct BodyEntry<'a> {
     /// Only where a material of the body yields.
     #[serde(skip_serializing_if = "Option::is_none")]
     plastic_area: Option<f64>,
-    /// The points that sides move with; only where there are some.
+    /// The points of couples; only if there are any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     couples: Vec<CoupleEntry<'a>>,
 }
 
-/// Null where the body has no strength; the largest utilisation, too, where it is infinite.
+/// Null if the body has no strength; the largest utilisation also if it is infinite.
 #[derive(Clone, Serialize)]
 struct StrengthEntry<'a> {
     overstressed_area: Option<f64>,
@@ -661,7 +661,7 @@ mod tests {
         keys
     }
 
-    /// Which keys there are is what counts, not their order.
+    /// Compares the keys without their order.
     fn sorted<const N: usize>(mut names: [&str; N]) -> Vec<&str> {
         names.sort_unstable();
         names.to_vec()

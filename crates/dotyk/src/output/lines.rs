@@ -13,10 +13,10 @@ use crate::output::text::{Labels, count, number, vector};
 /// Curves of more points than this are drawn without dots.
 const MOST_DOTS: usize = 60;
 
-/// Values that differ by a smaller part are drawn beside zero: what they differ by may be rounding.
+/// Values that differ by a smaller part are drawn with an axis from zero: their differences may be rounding.
 const HARDLY: f64 = 0.01;
 
-/// The section; nothing where no probe is a line.
+/// The section; empty without a probe along a line.
 pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let steps: Vec<&Solution<D>> = run.steps().collect();
     let shown = spread(steps.len());
@@ -58,7 +58,7 @@ pub fn spread(steps: usize) -> Vec<usize> {
     (0..shown).map(place).collect()
 }
 
-/// Along what a probe is read: "from (0, 0) to (1, 0)", "along rock.hole"; a dash where along nothing.
+/// The line of a probe: "from (0, 0) to (1, 0)", "along rock.hole"; a dash without a line.
 pub fn place_in_words<const D: usize>(model: &Model<D>, probe: &ProbeValue) -> String {
     let asked = model.probes.iter().find(|asked| asked.name == probe.name);
     match asked.and_then(|asked: &Probe<D>| asked.along.as_ref()) {
@@ -178,7 +178,7 @@ mod tests {
         assert!(section.contains("axis &amp; more") && section.contains("along rock.hole"));
         assert!(section.contains("from (0, −4) to (0, 4), 9 points. The curve is interrupted"));
         assert!(section.contains("rock.stress.yy [MN/m²]") && section.contains(">s [m]<"));
-        // the hole is no part of the rock: two pieces
+        // the hole is not part of the rock: two pieces
         let values = solution.probes[1].line.iter().map(|place| place.value);
         let inside: Vec<bool> = values.map(f64::is_finite).collect();
         let rock = |k: usize| !(2..7).contains(&k);

@@ -1,14 +1,14 @@
 //! Markup, HTML, SVG or XML, into which no text gets unescaped.
 //!
-//! Cases come from strangers: what they call things is to be seen on a page, and must never be obeyed by it. [`Markup`] comes
-//! out of templates alone, [`markup!`], which escape whatever is not markup itself, so that an escape cannot be forgotten.
+//! Cases come from strangers: their names are shown on a page, but must never act as markup. [`Markup`] comes only from
+//! templates, [`markup!`], which escape all parts that are not markup, so that an escape cannot be forgotten.
 
 use std::fmt::{self, Display, Write};
 use std::ops::{Add, AddAssign, Deref, Range};
 
-/// Markup of this program. It reads as text, but no text becomes markup unescaped, and it cannot be formatted into text.
+/// Markup of this program. It can be read as text, but no text becomes markup unescaped, and it cannot be formatted into text.
 ///
-/// It knows the figures among its parts, as long as these are added: what fills a template is a part of one text.
+/// It knows the figures among its parts as long as these are added; what fills a template becomes a part of one text.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Markup {
     text: String,
@@ -57,7 +57,7 @@ impl Markup {
             .collect()
     }
 
-    /// What is markup, style or script since the program was compiled.
+    /// Markup, style or script from the program itself.
     pub fn own(text: &'static str) -> Self {
         Self::from(text.to_string())
     }
@@ -107,7 +107,7 @@ impl FromIterator<Self> for Markup {
     }
 }
 
-/// What a template takes.
+/// A part of a template.
 pub trait Part {
     /// Writes markup as it is, all else escaped.
     fn put(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result;
@@ -140,7 +140,7 @@ impl<P: Part + ?Sized> Display for Escaped<'_, P> {
     }
 }
 
-/// Escapes what is written to it.
+/// Escapes the text written to it.
 struct Escaping<'a, 'f>(&'a mut fmt::Formatter<'f>);
 
 impl Write for Escaping<'_, '_> {
@@ -156,7 +156,7 @@ impl Write for Escaping<'_, '_> {
     }
 }
 
-/// What stands for a character inside HTML, XML and their attributes; `None` where that is the character.
+/// The escape of a character inside HTML, XML and their attributes; `None` if the character needs none.
 fn escaped(c: char) -> Option<&'static str> {
     match c {
         '&' => Some("&amp;"),

@@ -1,7 +1,7 @@
 //! VTU, CSV, JSON, pictures and the report of a solution.
 //!
 //! Result files change together, or not at all: see [`Folder`] and [`Record`]. Numbers and signs are those of the solution; only the report
-//! rounds. The same solution gives the same bytes, but for the timings.
+//! rounds. The same solution gives the same bytes, except for the timings.
 
 mod bars;
 mod chain;
@@ -69,7 +69,7 @@ pub enum Error {
     Unwritable {
         /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the system.
         source: std::io::Error,
     },
     /// The output folder is a file.
@@ -122,7 +122,7 @@ pub enum Error {
 
 /// A run that is to be written.
 pub struct Record<'a, const D: usize> {
-    /// What was solved.
+    /// The model.
     pub model: &'a Model<D>,
     /// Solutions of its load steps in their order, at least one.
     pub steps: &'a [Solution<D>],
@@ -156,9 +156,9 @@ impl<'a, const D: usize> Record<'a, D> {
         steps.map(|step| self.model.stage(step.time)).collect()
     }
 
-    /// What summary and report tell of it, the time it took so far included.
+    /// The data of summary and report, the time so far included.
     ///
-    /// Errors: [`Error::Name`], [`Error::Mismatch`], there is no step.
+    /// Errors: [`Error::Name`], [`Error::Mismatch`], also without any step.
     fn overview(&self) -> Result<Overview<'_, D>, Error> {
         let stages = self.stages();
         check(&stages, self.steps)?;
@@ -184,7 +184,7 @@ impl<'a, const D: usize> Record<'a, D> {
     }
 }
 
-/// What was written.
+/// The written files.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Written {
     /// Paths of the files.
@@ -206,7 +206,7 @@ pub struct FailedStep {
     pub carried: Option<f64>,
 }
 
-/// What summary and report tell of.
+/// The data of summary and report.
 #[derive(Clone)]
 pub(crate) struct Overview<'a, const D: usize> {
     /// All of the model.
@@ -234,7 +234,7 @@ impl<'a, const D: usize> Overview<'a, D> {
         self.model.times.len() > 1 || !self.earlier.is_empty()
     }
 
-    /// What was there in the last step.
+    /// The model of the last step, with its present parts.
     pub fn stage(&self) -> &Model<D> {
         self.stages.last().map_or(self.model, |stage| stage)
     }
@@ -251,25 +251,25 @@ impl<'a, const D: usize> Overview<'a, D> {
     }
 }
 
-/// As in [`Model`]: what is generic is compiled here, once for each dimension.
+/// As in [`Model`]: generic code is compiled here, once for each dimension.
 macro_rules! doors {
     ($($D:literal)*) => {$(
         impl Record<'_, $D> {
             /// Writes all result files into a folder: a VTU file per body and step, a VTM file per step that
-            /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` where a probe is read along a line, `sections.csv` where a section is cut, `state.bin` where a material yields, `summary.json`,
-            /// `report.html`.
+            /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` with a probe along a line, `sections.csv` with a section,
+            /// `bars.csv` with a bar, `state.bin` if a material yields, `summary.json`, `report.html`.
             ///
-            /// `seconds.write` in the summary is the time that all other files took, and `seconds.total` all of it since the run began;
-            /// the report, which is one of these files, tells the time up to itself.
-            /// Files of other names in the folder stay, but for the VTU and VTM files of an
-            /// earlier run, as its `case.pvd` tells, and its `lines.csv`, `sections.csv` and `state.bin`.
+            /// `seconds.write` in the summary is the time for all other files, and `seconds.total` the time since the run began; the
+            /// report, which is one of these files, gives the time up to itself.
+            /// Files of other names in the folder stay, except for the VTU and VTM files of an earlier run that its `case.pvd` names,
+            /// and its `lines.csv`, `sections.csv`, `bars.csv` and `state.bin`.
             /// Errors: any [`Error`]; then the folder is as it was before.
             pub fn write(&self, folder: &Folder) -> Result<Written, Error> {
                 write(self, folder)
             }
 
             /// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
-            /// case: a run whose first step has no answer leaves none.
+            /// case: a run whose first step has no answer leaves no others.
             ///
             /// The steps of the record are the last iterate of that step alone.
             /// Errors: any [`Error`]; then the folder is as it was before.
@@ -325,7 +325,7 @@ macro_rules! doors {
         }
 
         impl Check<$D> {
-            /// Writes `check.html`, the mesh-and-supports page of an unsolved model, with what this check of it found.
+            /// Writes `check.html`, the mesh-and-supports page of an unsolved model, with the findings of its check.
             ///
             /// Errors: any [`Error`]; then the folder is as it was before.
             pub fn write_page(
@@ -456,8 +456,8 @@ const SECTIONS: &str = "sections.csv";
 /// The file of forces of bars.
 const BARS: &str = "bars.csv";
 
-/// Files that not every run writes, of an earlier one in a folder: VTU and VTM files, as its collection names them, and what
-/// looks like its `lines.csv`, `sections.csv` or `bars.csv`; none where they cannot be read.
+/// Files of an earlier run in a folder that not every run writes: VTU and VTM files named by its collection, and files that look
+/// like its `lines.csv`, `sections.csv`, `bars.csv` or `state.bin`; unreadable ones are left out.
 fn earlier_files(dir: &Path) -> Vec<String> {
     let read = |name: &str| std::fs::read_to_string(dir.join(name)).unwrap_or_default();
     let text = read(COLLECTION);
@@ -655,7 +655,7 @@ mod tests {
         assert_eq!(text, format!("{},value\n1,{row}2,{row}", csv::LINES_HEAD));
         write(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
         assert!(!file.exists());
-        // one of somebody else
+        // a foreign file
         fs::write(&file, b"mine").unwrap();
         write(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"mine");

@@ -19,7 +19,7 @@ struct Array<'a> {
     entries: Box<Entries<'a>>,
 }
 
-/// Named arrays that become one file.
+/// Named arrays for one file.
 #[derive(Default)]
 pub struct Archive<'a> {
     arrays: Vec<Array<'a>>,
@@ -126,9 +126,9 @@ impl<'a> Archive<'a> {
     }
 }
 
-/// What both places of an archive tell of a stored file, up to its name.
+/// The common part of both headers of a stored file, up to its name.
 fn about(sum: u32, size: u32, name: &str) -> io::Result<Vec<u8>> {
-    // version 2.0, no flags, stored, and a date on which nothing has happened: 1980-01-01
+    // version 2.0, no flags, stored, and a fixed date: 1980-01-01
     let mut about = vec![20, 0, 0, 0, 0, 0, 0, 0, 0x21, 0];
     about.extend(sum.to_le_bytes());
     about.extend(size.to_le_bytes());
@@ -158,7 +158,7 @@ fn header(kind: &str, shape: &[usize], by_columns: bool) -> Vec<u8> {
     bytes
 }
 
-/// What is written here is summed up.
+/// A writer that computes a checksum.
 struct Checksum(Crc);
 
 impl Write for Checksum {

@@ -24,13 +24,13 @@ pub struct Panel {
     pub zero: bool,
 }
 
-/// What all plots are drawn against.
+/// The common abscissae of all plots.
 pub struct Abscissae<'a> {
     /// Its axis.
     pub axis: Axis,
     /// Values, as many as every curve has.
     pub values: &'a [f64],
-    /// What a dot says, by index and value.
+    /// The text of a dot, by index and value.
     pub hint: &'a dyn Fn(usize, f64) -> String,
 }
 

@@ -18,7 +18,7 @@ pub struct PastError {
     pub why: String,
 }
 
-/// What counts of `summary.json`.
+/// The relevant part of `summary.json`.
 #[derive(Deserialize)]
 struct Summary {
     #[serde(flatten)]
@@ -101,7 +101,7 @@ pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError
     }
     contacts(&csv, &mut past).map_err(|why| fail(&csv_file, why))?;
     let file = dir.join(STATE);
-    // where nothing yields there is none
+    // without yielding there is no such file
     if file.exists() {
         let cannot = |why| fail(&file, format!("cannot be read ({why})"));
         let bytes = crate::host::read(&file).map_err(cannot)?;
@@ -126,7 +126,7 @@ fn contacts<const D: usize>(text: &str, past: &mut [Past<D>]) -> Result<(), Stri
     let (step, contact, node, status) = (step?, contact?, node?, status?);
     let [weight, gap, pressure] = ["weight", "gap", "pressure"].map(column);
     let numbers = [weight?, gap?, pressure?];
-    // in the plane along the tangent, which the normal tells; there is none without friction and ties
+    // in the plane along the tangent, from the normal; absent without friction and ties
     let vectors: [&[&'static str]; 2] = match D {
         2 => [&["nx", "ny"], &["shear"]],
         _ => [&[], &["shear_x", "shear_y", "shear_z"]],

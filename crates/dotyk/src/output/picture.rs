@@ -19,11 +19,11 @@ pub struct Picture<const D: usize> {
     pub label: &'static str,
     /// Of the place of the largest value.
     pub most_called: &'static str,
-    /// By body at every place where stress is given; NaN where there is none.
+    /// By body at every place of stress; NaN without a value.
     pub values: Vec<Vec<f64>>,
     /// Where the colours end; they begin at zero.
     pub high: f64,
-    /// Where the line is.
+    /// Value on the line.
     pub limit: f64,
     /// The largest value and its node.
     pub most: Option<(Point<D>, f64)>,

@@ -19,14 +19,14 @@ pub struct Axis {
 impl Axis {
     /// A linear axis over the values, with `zero` in sight if wanted; `most` ticks.
     ///
-    /// A common power of ten moves into the label. Values that are not finite are passed over.
+    /// A common power of ten moves into the label. Values that are not finite are skipped.
     pub fn linear(name: &str, unit: &str, values: &[f64], zero: bool, most: usize) -> Self {
         let (mut low, mut high) = finite_range(values.iter().copied());
         if zero {
             (low, high) = (low.min(0.0), high.max(0.0));
         }
         if low == 0.0 && high == 0.0 {
-            // Nothing but zeros: no other number would mean anything.
+            // Only zeros: no other tick would be meaningful.
             return Self {
                 label: with_unit(name, unit),
                 range: [-1.0, 1.0],
@@ -136,7 +136,7 @@ impl Axis {
     }
 }
 
-/// Least and largest finite value; (0, 1) when there is none.
+/// Least and largest finite value; (0, 1) without any.
 fn finite_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .filter(|v| v.is_finite())
@@ -253,7 +253,7 @@ impl Frame {
         svg.turned_text(at, &self.y.label, Type::LABEL, -90.0);
     }
 
-    /// A curve through points (x, y); what is not finite interrupts it.
+    /// A curve through points (x, y); values that are not finite interrupt it.
     pub fn curve(&self, svg: &mut Svg, points: &[[f64; 2]], colour: &str, width: f64) {
         let pixels: Vec<Pixel> = points.iter().map(|p| self.at(p[0], p[1])).collect();
         let path = crate::output::svg::segments(&pixels, false);

@@ -1,4 +1,4 @@
-//! Points of couples on paper: thin lines to their sides, what holds them and what they carry.
+//! Points of couples on paper: thin lines to their sides, their supports and loads.
 
 use crate::geometry::{Point, distance, norm, unit};
 use crate::model::{Couple, CoupleKind, Model, Solution};
@@ -145,7 +145,7 @@ fn turn(svg: &mut Svg, at: Pixel, left: bool) {
     svg.arrow(on_arc(17), on_arc(20), LOAD, 1.6);
 }
 
-/// Where the force of a point comes from, with the place of the point: room for its arrow.
+/// Tail of the force arrow of a point, with the place of the point: room for the arrow.
 pub fn forces(scene: &Scene) -> Vec<(Point<2>, Point<2>)> {
     let time = scene.model.last_time();
     let from = |(_, couple): (usize, &Couple<2>)| {

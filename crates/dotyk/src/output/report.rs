@@ -48,7 +48,7 @@ pub fn figures<const D: usize>(run: &Overview<'_, D>) -> Vec<(String, String)> {
     content(run).figures()
 }
 
-/// What stands between head and footer of `report.html`.
+/// The content between head and footer of `report.html`.
 fn content<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let (model, solution) = (run.stage(), run.last);
     let labels = Labels::of(model);
@@ -83,7 +83,8 @@ fn content<const D: usize>(run: &Overview<'_, D>) -> Markup {
     .collect()
 }
 
-/// Content of `check.html`; `text` is what the check found, line by line, and `alone` the contact nodes that face nothing.
+/// Content of `check.html`; `text` are the findings of the check, line by line, and `alone` the contact nodes without an opposite
+/// side.
 pub fn check_page<const D: usize>(
     model: &Model<D>,
     text: &str,
@@ -184,7 +185,7 @@ fn key_figures<const D: usize>(
             quantity(largest(solution.contacts.iter().map(peak)), &labels.stress),
             name,
         ));
-        // what is glued is no contact, but where there is nothing else
+        // ties do not count as contacts, unless there are no others
         let loose = |c: &&ContactSolution<D>| c.nodes.iter().all(|n| n.status != Status::Tied);
         let any = solution.contacts.iter().any(|c| loose(&c));
         let counted = || solution.contacts.iter().filter(|c| !any || loose(c));
@@ -241,7 +242,7 @@ fn key_figures<const D: usize>(
     markup!("<div class=\"keys\">\n{}</div>\n", cards)
 }
 
-/// Length of the whole nonmortar side, in space the area of what faces something, undeformed.
+/// Length of the whole nonmortar side, in space the area of the part that faces the other side, undeformed.
 fn side_extent<const D: usize>(model: &Model<D>, contact: &ContactSolution<D>) -> f64 {
     if D == 3 {
         return contact.nodes.iter().map(|n| n.weight).sum();
@@ -381,7 +382,7 @@ fn turned(values: &[f64]) -> String {
     }
 }
 
-/// The points of couples; nothing where there are none.
+/// The points of couples; empty without couples.
 fn points<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Markup {
     let scales = Scales::of(solution);
     let shown = |values: &[f64], dimension: Dimension| {

@@ -279,7 +279,7 @@ impl<'a> Scene<'a> {
         (vec![whole, inset(corner, [width - 2.0, lower])], height)
     }
 
-    /// Facets of a named side as strands; nothing when there is no such side.
+    /// Facets of a named side as strands; empty without such a side.
     pub fn side(&self, side: &SideRef) -> Vec<Strand> {
         self.body_side(side.body.0, &side.side)
     }

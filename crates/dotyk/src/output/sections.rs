@@ -1,5 +1,5 @@
 //! Section "Section forces" of the report: diagrams on the geometry and over the middle line, the envelope over the load steps,
-//! its extremes, and the forces inside the limit of what a section can bear.
+//! its extremes, and the forces inside the limit curve of a section.
 
 use crate::geometry::{Point, bounding_box, sub};
 use crate::model::{Analysis, Capacity, Model, Section, SectionQuantity, SectionSolution, Station};
@@ -25,7 +25,7 @@ const MOST_LINES: usize = 90;
 const LIMIT_POINTS: usize = 120;
 const MOST_POINTS: usize = 4000;
 
-/// What is drawn of a station.
+/// A quantity of a station that is drawn.
 struct Curve {
     name: &'static str,
     unit: String,
@@ -45,7 +45,7 @@ fn curves(labels: &Labels) -> [Curve; 3] {
     ]
 }
 
-/// Those of the circumference, and the utilisation, where there are some.
+/// Curves of hoop forces and of the utilisation, if present.
 fn more_curves(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
     let mut more = Vec::new();
     if section.stations.iter().any(|s| s.hoop.is_some()) {
@@ -70,7 +70,7 @@ fn more_curves(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
     more
 }
 
-/// The section; nothing where none is cut.
+/// The section; empty without section forces.
 pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let asked = run.model.sections.iter().enumerate();
     let parts: Markup = asked
@@ -153,7 +153,7 @@ fn sorted(section: &SectionSolution) -> Vec<&Station> {
     stations
 }
 
-/// Values that are rounding beside the others are zero: moments beside forces times the thickness.
+/// Sets values to zero that are rounding relative to the others: moments relative to forces times the thickness.
 fn quiet(
     section: &SectionSolution,
     value: fn(&Station) -> f64,
@@ -595,7 +595,7 @@ fn interaction(
     (svg.finish(), caption)
 }
 
-/// The extremes over all stations and steps, each with what acts beside it; σ are the stresses of the two sides.
+/// The extremes over all stations and steps, each with the other forces there; σ are the stresses of the two sides.
 fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) -> Markup {
     let mut rows = Vec::new();
     for quantity in SectionQuantity::ALL {
@@ -619,7 +619,7 @@ fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) 
                 continue;
             }
             let (section, place) = (steps[step], &steps[step].stations[station]);
-            // of forces that are rounding there is no stress
+            // forces that are rounding give no stress
             let heard = |curve: &Curve| quiet(section, curve.value, curve.name)(place);
             let [normal, _, moment] = curves(labels).each_ref().map(heard);
             let [first, second] = Station {

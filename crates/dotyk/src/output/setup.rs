@@ -24,7 +24,7 @@ const BARE: f64 = 30.0;
 /// Most bodies and most contacts that the legend names.
 pub const NAMED: usize = 12;
 
-/// The figure as an SVG element; `alone` are contact nodes that face nothing.
+/// The figure as an SVG element; `alone` are contact nodes without an opposite side.
 pub fn setup_figure(scene: &Scene, alone: &[Point<2>]) -> Markup {
     let labels = Labels::of(scene.model);
     let (views, height) = scene.views(margin(scene), STRIP, 0.0);
@@ -287,7 +287,7 @@ pub fn name_parts<const D: usize>(
     flow
 }
 
-/// The entry of contact nodes that face nothing.
+/// The entry of contact nodes without an opposite side.
 pub fn name_alone(svg: &mut Svg, flow: &mut Flow) {
     let at = flow.explain(svg, "contact node that faces nothing");
     svg.circle([at[0] + 8.0, at[1] - 4.0], 2.6, ALARM, "white", "");
@@ -321,7 +321,7 @@ fn symbols(svg: &mut Svg, scene: &Scene, flow: &mut Flow) {
     name_links(svg, scene.model, flow);
 }
 
-/// A bar from one end to the other, with its ends marked, or where it is grouted all of it.
+/// A bar from one end to the other, with its ends marked, or its whole length if it is grouted.
 pub fn draw_bar(svg: &mut Svg, [from, to]: [Pixel; 2], bond: Bond) {
     if bond == Bond::Grouted {
         svg.line(from, to, "white", 5.0);
@@ -338,7 +338,7 @@ pub fn draw_bar(svg: &mut Svg, [from, to]: [Pixel; 2], bond: Bond) {
     }
 }
 
-/// The entries of springs and bars, where there are some.
+/// The entries of springs and bars, if there are any.
 pub fn name_links<const D: usize>(svg: &mut Svg, model: &Model<D>, flow: &mut Flow) {
     if model.bodies.iter().any(|body| !body.springs.is_empty()) {
         let at = flow.explain(svg, "spring");

@@ -1,4 +1,4 @@
-//! `state.bin`: what has yielded of each body in each load step, which a run goes on from.
+//! `state.bin`: plastic strains of each body in each load step, from which a run goes on.
 //!
 //! ```text
 //!   dotyk state 1\n
@@ -15,13 +15,13 @@ use serde::{Deserialize, Serialize};
 /// Name of the file.
 pub const STATE: &str = "state.bin";
 
-/// What it begins with.
+/// Its first bytes.
 pub const STATE_HEAD: &str = "dotyk state 1\n";
 
 /// Numbers of a point.
 const NUMBERS: usize = 8;
 
-/// What the numbers are of.
+/// The owner of the numbers.
 #[derive(Debug, Serialize, Deserialize)]
 struct Entry {
     step: usize,
@@ -50,9 +50,9 @@ pub fn state<const D: usize>(steps: &[Solution<D>]) -> Option<Vec<u8>> {
     (!entries.is_empty()).then_some(file)
 }
 
-/// Adds what a file tells to its steps; what it tells of others is passed over.
+/// Adds the plastic strains of a file to these steps; entries of other steps are skipped.
 ///
-/// Errors: what is no such file.
+/// Errors: another kind of file.
 pub fn read_state<const D: usize>(file: &[u8], past: &mut [Past<D>]) -> Result<(), String> {
     let broken = || {
         format!(

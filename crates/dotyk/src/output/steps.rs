@@ -20,7 +20,7 @@ const MOST_PANELS: usize = 24;
 /// Columns of values in one table of probes.
 const COLUMNS: usize = 4;
 
-/// The section; nothing where there is one step.
+/// The section; empty with a single step.
 pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     if run.earlier.is_empty() {
         return Markup::default();
@@ -96,7 +96,7 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> Markup {
             .chain(stage.contacts.iter().map(|c| c.name.clone()))
             .collect()
     };
-    // the last step of each run in which nothing comes or goes; that of the whole is shown below
+    // the last step of each run in which no part comes or goes; that of the whole is shown below
     let ends = both().zip(run.stages.iter().skip(1));
     let ends = ends.filter(|((_, (_, stage)), next)| several && names(stage) != names(next));
     for ((step, (solution, stage)), _) in ends {
@@ -306,7 +306,7 @@ fn probe_table<const D: usize>(
     })
 }
 
-/// Values of all probes by step; what is rounding beside forces, stresses and displacements of its step is zero.
+/// Values of all probes by step; zero if they are rounding relative to forces, stresses and displacements of the step.
 fn probe_values<const D: usize>(steps: &[&Solution<D>]) -> Vec<Vec<f64>> {
     let of_step = |solution: &&Solution<D>| {
         let scales = Scales::of(solution);

@@ -1,4 +1,4 @@
-//! Section "Strength" of the report: how far the stress goes towards the strength, and where it goes beyond.
+//! Section "Strength" of the report: utilisation and overstressed zones.
 
 use crate::model::{BodySolution, Solution};
 use crate::output::figures::Figures;
@@ -7,7 +7,7 @@ use crate::output::markup::{Markup, markup};
 use crate::output::text::{Labels, number, quantity, singular_peak, vector};
 use crate::output::vtu::judged;
 
-/// The section; nothing where no body has a strength.
+/// The section; empty if no body has a strength.
 pub fn strength_section<const D: usize>(
     solution: &Solution<D>,
     figures: &Figures<'_>,
@@ -62,7 +62,7 @@ fn bodies<const D: usize>(solution: &Solution<D>, labels: &Labels) -> Markup {
     table(&heads, rows.collect())
 }
 
-/// What is to be said of a body with a strength.
+/// Text on a body with a strength.
 fn in_words<const D: usize>(body: &BodySolution<D>, labels: &Labels) -> Vec<String> {
     let Some((own, peak)) = body
         .utilisation

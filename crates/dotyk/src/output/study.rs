@@ -13,7 +13,7 @@ use crate::output::text::{Labels, count, number};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Most curves in one plot: more could not be told apart.
+/// Most curves in one plot: more would not be distinguishable.
 const MOST_CURVES: usize = 6;
 
 /// Most dots of a curve of the picture.
@@ -126,7 +126,7 @@ pub fn study_picture(study: &Study, pairs: &[[String; 2]]) -> Markup {
     let title = "Columns of the study against each other";
     let mut svg = Svg::new("pairs", title, WIDTH, 0.0);
     let names: Vec<&str> = drawn.iter().map(|(name, _)| name.as_str()).collect();
-    // measured on a drawing of its own: the ground comes first
+    // measured on a separate drawing: the background comes first
     let top = legend(&mut Svg::new("", "", WIDTH, 0.0), &names) + 6.0;
     let frame = Frame {
         corner: [70.0, top],
@@ -153,8 +153,8 @@ fn seen(point: &[f64; 2]) -> bool {
     point.iter().all(|value| value.is_finite())
 }
 
-/// A curve for each pair and each combination of the parameters but the one with the most values, along which it runs; one
-/// alone where the others change nothing, and none where nothing is seen.
+/// A curve along the parameter with the most values, for each pair and each combination of the other parameters; a single one
+/// if the others have no effect, and no curve without finite points.
 fn curves_of_pairs(study: &Study, pairs: &[[String; 2]]) -> Vec<Drawn> {
     let along = longest(study).map_or(0, |(along, _)| along);
     let curves = curves(study, along);
@@ -176,7 +176,7 @@ fn curves_of_pairs(study: &Study, pairs: &[[String; 2]]) -> Vec<Drawn> {
     drawn
 }
 
-/// The name of a curve: what it shows, and for which values of the other parameters.
+/// The name of a curve: its quantity, and the values of the other parameters.
 fn named(what: &str, others: &str) -> String {
     match others {
         "" => what.to_string(),
@@ -184,7 +184,7 @@ fn named(what: &str, others: &str) -> String {
     }
 }
 
-/// Whether two curves cannot be told apart: a thousandth of a pixel would be 1e-6 of an axis.
+/// Whether two curves are indistinguishable: a thousandth of a pixel would be 1e-6 of an axis.
 fn alike(curve: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
     (0..2).all(|k| {
         let largest = curve.iter().fold(0.0f64, |most, p| most.max(p[k].abs()));
@@ -193,7 +193,7 @@ fn alike(curve: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
     })
 }
 
-/// Value of a varied parameter or a probe; NaN where nothing is called so.
+/// Value of a varied parameter or a probe; NaN for an unknown name.
 fn value(study: &Study, member: &Member, name: &str) -> f64 {
     let names = study.varied.iter().map(|parameter| &parameter.name);
     let mut names = names.chain(study.probes.iter().map(|probe| &probe.name));
@@ -216,7 +216,7 @@ fn longest(study: &Study) -> Option<(usize, usize)> {
         .max_by_key(|&(k, size)| (size, std::cmp::Reverse(k)))
 }
 
-/// As many curves as can be told apart, evenly.
+/// At most as many curves as are distinguishable, evenly chosen.
 fn shown<'c, 'a>(curves: &'c [Curve<'a>]) -> impl Iterator<Item = &'c Curve<'a>> {
     let every = curves.len().div_ceil(MOST_CURVES).max(1);
     curves.iter().step_by(every)
@@ -241,7 +241,7 @@ fn plots(study: &Study, labels: &Labels) -> Option<(Markup, String)> {
                 .collect(),
         });
         Panel {
-            // what hardly changes would be a straight line
+            // values that hardly change would be a straight line
             zero: false,
             title: probe.name.clone(),
             unit: labels.unit(probe.dimension).to_string(),

@@ -30,9 +30,9 @@ pub const CLOSED: &str = "#fbe9e2";
 pub const STICK: &str = "#e2eefb";
 /// Background of slipping parts of an interface.
 pub const SLIP: &str = "#fdf3d3";
-/// What is out of limits.
+/// Values out of limits.
 pub const ALARM: &str = "#b3261e";
-/// Lines that must be told apart, also by readers who see red and green alike (after Okabe and Ito).
+/// Colours of lines, distinguishable also without red–green vision (after Okabe and Ito).
 pub const SERIES: [&str; 6] = [
     "#c2410c", "#0b6aa8", "#00795b", "#8a3d7c", "#8a6d00", "#3a4a5a",
 ];
@@ -52,7 +52,7 @@ pub enum Anchor {
     End,
 }
 
-/// How a text looks.
+/// Style of a text.
 #[derive(Debug, Clone, Copy)]
 pub struct Type {
     /// Size in pixels.
@@ -120,7 +120,7 @@ pub struct Svg {
 }
 
 impl Svg {
-    /// An empty drawing; `id` must be unique in its page, `description` says what it shows to those who cannot see it.
+    /// An empty drawing; `id` must be unique in its page, `description` is for readers who cannot see it.
     pub fn new(id: &str, description: &str, width: f64, height: f64) -> Self {
         Self {
             width,
@@ -267,7 +267,7 @@ impl Svg {
         );
     }
 
-    /// What follows is drawn inside this rectangle only, until [`Svg::end_clip`].
+    /// Clips all further drawing to this rectangle, until [`Svg::end_clip`].
     pub fn begin_clip(&mut self, corner: Pixel, size: Pixel) {
         self.clips += 1;
         let id = format!("{}-clip{}", self.id, self.clips);

@@ -14,7 +14,7 @@ const ARROW: f64 = 30.0;
 /// From one support symbol to the next.
 const SPACING: f64 = 30.0;
 
-/// What a support takes away.
+/// The motions that a support holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hold {
     /// One component, along this axis.
@@ -25,7 +25,7 @@ pub enum Hold {
     Clamp,
 }
 
-/// What a support holds; nothing where it has no component.
+/// The motions that a support holds; `None` without a component.
 pub fn hold(support: &Support<2>) -> Option<Hold> {
     match (&support.normal, &support.components) {
         (_, [Some(_), Some(_)]) => Some(Hold::Clamp),
@@ -120,7 +120,7 @@ fn side_support(svg: &mut Svg, view: &View, strand: &Strand, points: &[Point<2>]
     let parts = ((length / SPACING).round() as usize).clamp(1, 4000);
     for mark in strand.marks(points, parts, true) {
         let at = view.pixel(mark.point);
-        // Half a symbol at the edge of the window would say nothing.
+        // Half a symbol at the edge of the window would be useless.
         let whole = [-7.0, 7.0]
             .iter()
             .all(|step| view.sees([at[0], at[1] + step]));

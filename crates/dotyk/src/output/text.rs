@@ -1,6 +1,6 @@
-//! Numbers, units and names as a reader sees them: four significant digits, thin spaces, true minus signs.
+//! Numbers, units and names for readers: four significant digits, thin spaces, true minus signs.
 //!
-//! Invariant: the same number gives the same text on every machine; what is not finite gives a dash.
+//! Invariant: the same number gives the same text on every machine; a number that is not finite gives a dash.
 
 use crate::geometry::norm;
 use crate::model::{Analysis, Dimension, Model, Peak, Solution, Units};
@@ -91,7 +91,7 @@ pub fn superscript(exponent: i32) -> String {
         .collect()
 }
 
-/// Zeros after the decimal point say nothing.
+/// Removes trailing zeros after the decimal point.
 fn trimmed(fixed: &str) -> &str {
     if fixed.contains('.') {
         fixed.trim_end_matches('0').trim_end_matches('.')
@@ -119,7 +119,7 @@ fn grouped(fixed: &str) -> String {
     out + rest
 }
 
-/// Labels of the quantities of a model; empty where the user named no unit.
+/// Labels of the quantities of a model; empty without a unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labels {
     /// Length.
@@ -176,7 +176,7 @@ impl Labels {
         }
     }
 
-    /// What a contact covers, with the unit.
+    /// Label of the extent of a contact, with the unit.
     pub fn extent(&self) -> (&'static str, &str) {
         match self.axes.len() {
             3 => ("area", &self.area),
@@ -184,7 +184,7 @@ impl Labels {
         }
     }
 
-    /// What a part of a body is, with the unit.
+    /// Label of the extent of a part of a body, with the unit.
     pub fn interior(&self) -> (&'static str, String) {
         let (word, power) = match self.axes.len() {
             3 => ("volume", '³'),
@@ -197,7 +197,7 @@ impl Labels {
         (word, unit)
     }
 
-    /// What of a contact is closed, in words.
+    /// The closed part of a contact, in words.
     pub fn in_contact(&self) -> &'static str {
         match self.axes.len() {
             3 => "Area in contact",
@@ -205,7 +205,7 @@ impl Labels {
         }
     }
 
-    /// The label of what a quantity is measured in.
+    /// The unit label of a quantity.
     pub fn unit(&self, dimension: Dimension) -> &str {
         match dimension {
             Dimension::Length => &self.length,
@@ -240,7 +240,7 @@ pub fn without_noise(value: f64, scale: f64) -> f64 {
     }
 }
 
-/// What the numbers of a solution are large beside; what is far below is rounding, and shown as zero.
+/// Scales of the numbers of a solution; values far below them are rounding, and shown as zero.
 pub struct Scales {
     force: f64,
     stress: f64,
@@ -329,7 +329,7 @@ pub fn with_unit(name: &str, unit: &str) -> String {
     }
 }
 
-/// A word on a largest value of a body that only the mesh makes; nothing on one that the model has.
+/// Words on a largest value of a body that is due to the mesh; `None` for one that belongs to the model.
 pub fn singular_peak<const D: usize>(
     what: &str,
     peak: Option<Peak<D>>,

@@ -5,18 +5,18 @@ use crate::output::deformed::CLEARLY;
 use crate::output::picture::Picture;
 use crate::output::text::number;
 
-/// The colours end here at the latest: what is beyond is far beyond the strength.
+/// Largest end of the colours: larger values are far beyond the strength.
 const MOST_SHOWN: f64 = 2.0;
 
-/// The body with the largest utilisation, and that.
+/// The body with the largest utilisation, and its value.
 pub fn largest_utilisation<const D: usize>(solution: &Solution<D>) -> Option<(&str, Peak<D>)> {
     let bodies = solution.bodies.iter();
     let peaks = bodies.filter_map(|body| Some((&body.name[..], body.utilisation.as_ref()?.peak?)));
     peaks.max_by(|a, b| a.1.most.value.total_cmp(&b.1.most.value))
 }
 
-/// Where the colours end: at the largest utilisation, but not below 1, and not far beyond; where that is at a place where stresses are
-/// not finite, at the usual one, if that is clearly less.
+/// End of the colours: the largest utilisation, but not below 1, and not far beyond; if that is at a place where stresses are not
+/// finite, the usual one if it is clearly less.
 pub fn end_of_scale<const D: usize>(solution: &Solution<D>) -> f64 {
     let shown = |peak: Peak<D>| match peak.place {
         Some(place) if place.usual < CLEARLY * peak.most.value => place.usual,
@@ -29,8 +29,8 @@ pub fn end_of_scale<const D: usize>(solution: &Solution<D>) -> f64 {
     peaks.map(shown).fold(1.0, f64::max).min(MOST_SHOWN)
 }
 
-/// Utilisation of a body where stress is given, as it is drawn: NaN where it has none. Beyond the last colour it is that of its end, so that
-/// what is infinite at a node does not swing between the nodes of quadratic cells.
+/// Utilisation of a body at the places of stress, as drawn: NaN without a value, and limited to the end of the colours, so that an
+/// infinite value at a node does not oscillate between the nodes of quadratic cells.
 pub fn drawn<const D: usize>(body: &BodySolution<D>) -> Vec<f64> {
     match &body.utilisation {
         Some(own) => own
@@ -57,7 +57,7 @@ pub fn utilisation_picture<const D: usize>(solution: &Solution<D>) -> Picture<D>
     }
 }
 
-/// What the colours mean, for captions.
+/// Meaning of the colours, for captions.
 fn caption<const D: usize>(solution: &Solution<D>) -> String {
     let high = end_of_scale(solution);
     let most = largest_utilisation(solution).map_or(0.0, |(_, peak)| peak.most.value);

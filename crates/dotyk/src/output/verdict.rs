@@ -1,4 +1,4 @@
-//! Sections of the report on how far its numbers can be trusted: banner, warnings, certificate and convergence.
+//! Sections of the report on the reliability of its numbers: banner, warnings, certificate and convergence.
 
 use crate::model::{Model, Solution, told_in_steps};
 use crate::output::Overview;
@@ -67,7 +67,7 @@ pub fn warnings<const D: usize>(run: &Overview<'_, D>) -> Markup {
     }
 }
 
-/// A figure of the certificate: its name, what the report calls it, what it says, and its unit.
+/// A figure of the certificate: its name, its title in the report, its meaning, and its unit.
 type Sentence = (
     &'static str,
     &'static str,
@@ -201,7 +201,7 @@ pub fn certificate<const D: usize>(solution: &Solution<D>, labels: &Labels) -> M
     )
 }
 
-/// How the solver arrived, and what became of its bolts.
+/// Convergence of the solver, and its bolts.
 pub fn solver<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Labels) -> Markup {
     let report = &solution.solver;
     let mut out = markup!(

@@ -1,4 +1,4 @@
-//! Windows through which the figures look at the bodies, and what is written at their edges.
+//! Windows through which the figures show the bodies, and the labels at their edges.
 //!
 //! World coordinates have y upward, pixels have y downward.
 

@@ -2,16 +2,16 @@
 //!
 //! Stress and strain components are in the order xx yy zz xy yz xz (strain: tensor components), with axial symmetry
 //! radial, axial and hoop. `principal_stress` is largest first. `reaction` and `contact_force` are nodal forces of supports and of
-//! all contacts and couples on the body: with loads they balance the internal forces at every node. `pressure`, `gap`, `contact_normal` and `contact_state` are defined at the nodes of a nonmortar
-//! side and, where the contact pairs nodes, at their partners (whose normal is the opposite one); elsewhere they are NaN, and
-//! the state is −1: 0 open, 1 closed, 2 stick, 3 slip, 4 tied, 5 fixed. In space, where corners of facets carry the
-//! multipliers, nodes between them have what is linear there and the state of the corner that bears most. With friction or a tie there is `shear`, the traction
-//! on this body. `utilisation` is there where a body of the model has a strength: 1 is failure, infinite beyond the apex of a criterion,
-//! NaN where a body or group has none. `plastic_strain`, `equivalent_plastic_strain` and `yielded`, the share of the cells around
-//! that has yielded in this step, are there where a material of the model yields. Cells have the index of their body, and where a
-//! material yields the share `yielded` of their own points; field data are the time and the units.
-//! A node on a border between materials is a point for each of them, with the stress and strain of its own: the cells of the
-//! further materials name points behind the nodes. All else is the same at both.
+//! all contacts and couples on the body: with loads they balance the internal forces at every node. `pressure`, `gap`,
+//! `contact_normal` and `contact_state` are defined at the nodes of a nonmortar side and, where the contact pairs nodes, at their
+//! partners (whose normal is the opposite one); elsewhere they are NaN, and the state is −1: 0 open, 1 closed, 2 stick, 3 slip,
+//! 4 tied, 5 fixed. In space, where corners of facets carry the multipliers, nodes between them have linearly interpolated values
+//! and the state of the corner with the largest force. With friction or a tie there is `shear`, the traction on this body.
+//! `utilisation` is present if a body of the model has a strength: 1 is failure, infinite beyond the apex of a criterion, NaN for
+//! a body or group without a strength. `plastic_strain`, `equivalent_plastic_strain` and `yielded`, the share of the cells around
+//! that has yielded in this step, are present if a material of the model yields. Cells have the index of their body, and `yielded`,
+//! the share of their own points, if a material of the model yields; field data are the time and the units. A node on a border between materials is a point for each of them, with its own stress and strain: the
+//! cells of the further materials refer to points after the nodes. All other fields are the same at both.
 //! Arrays are inline, little-endian, zlib in blocks, base64.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
@@ -120,7 +120,7 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     out
 }
 
-/// The fields of a body, those among them that other bodies alone have: NaN. Readers of several bodies find the same arrays in all.
+/// The fields of a body; fields that only other bodies have are NaN, so that readers of several bodies find the same arrays in all.
 fn body_fields<const D: usize>(
     solution: &Solution<D>,
     body: usize,
@@ -292,7 +292,7 @@ struct State {
 }
 
 impl ContactFields {
-    /// Takes over what is not known of a node yet.
+    /// Fills in values of a node that are not known yet.
     fn take(&mut self, at: usize, state: State) {
         if self.state[at] == NO_STATE {
             self.normal[at] = state.normal;
@@ -310,7 +310,7 @@ impl ContactFields {
     }
 }
 
-/// The state where there is no contact.
+/// The state of a node without contact.
 const NO_STATE: i32 = -1;
 
 /// The number of a state.
@@ -339,7 +339,7 @@ fn contact_fields<const D: usize>(
         normal: vec![[f64::NAN; 3]; nodes],
         state: vec![NO_STATE; nodes],
     };
-    // Own sides first: what is read off a partner must not hide what a body says itself.
+    // Own sides first: values read off a partner must not hide those of the body itself.
     for own in [true, false] {
         for contact in &solution.contacts {
             let side = if own {
@@ -525,7 +525,7 @@ mod tests {
             read(&vtu, "displacement")[3..5]
         );
         assert_eq!(read(&vtu, "pressure").len(), 8);
-        // numbers of points, read as what they are not
+        // numbers of points, read as another type
         let cells = read(&vtu, "connectivity").into_iter().map(f64::to_bits);
         assert_eq!(cells.collect::<Vec<_>>(), [0, 1, 4, 3, 6, 2, 5, 7]);
     }

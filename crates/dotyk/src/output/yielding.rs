@@ -1,4 +1,4 @@
-//! Section "Yielding" of the report: what has yielded of each body, and its picture.
+//! Section "Yielding" of the report: the plastic zones of each body, and their picture.
 
 use crate::model::Solution;
 use crate::output::figures::Figures;
@@ -7,11 +7,11 @@ use crate::output::markup::{Markup, markup};
 use crate::output::picture::Picture;
 use crate::output::text::{Labels, number};
 
-/// The border of what has yielded is where the equivalent plastic strain is this part of the largest: nearer to none it is what
-/// the mean over cells leaves.
+/// At the border of the plastic zone the equivalent plastic strain is this part of the largest: smaller values are remainders of the
+/// mean over cells.
 const BORDER: f64 = 0.01;
 
-/// The largest equivalent plastic strain; zero where nothing has yielded.
+/// The largest equivalent plastic strain; zero without yielding.
 fn largest<const D: usize>(solution: &Solution<D>) -> f64 {
     let own = solution.bodies.iter().filter_map(|b| b.yielding.as_ref());
     own.flat_map(|own| own.equivalent.iter().copied())
@@ -41,7 +41,7 @@ pub fn yielding_picture<const D: usize>(solution: &Solution<D>) -> Picture<D> {
     }
 }
 
-/// The section; nothing where no material yields.
+/// The section; empty if no material yields.
 pub fn yielding_section<const D: usize>(
     solution: &Solution<D>,
     figures: &Figures<'_>,

@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How long somebody who only writes waits for others who do.
+/// Longest wait for other writers.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// How often it is looked whether they have ended.
+/// Interval of the checks whether they have ended.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// How often a folder is looked for that others exchange meanwhile.
+/// Most tries for a folder that others exchange meanwhile.
 const MOST_TRIES: usize = 100;
 
 /// A folder of results; as long as it lives, no other run of any process can have it.
@@ -34,7 +34,7 @@ struct Held {
 }
 
 impl Folder {
-    /// Takes a folder, and makes it where it does not exist. What killed runs left of theirs in it is finished or removed.
+    /// Takes a folder, and makes it if it does not exist. Leftovers of killed runs in it are finished or removed.
     ///
     /// Errors: [`Error::Taken`] where another run has it, [`Error::NotADirectory`], [`Error::Unwritable`].
     pub fn hold(dir: &Path) -> Result<Self, Error> {
@@ -46,7 +46,7 @@ impl Folder {
                 match fs::create_dir(&path) {
                     Ok(()) => own.0.push(path),
                     Err(_) if path.is_dir() => {}
-                    // another run that found nothing to write has just taken its own away
+                    // another run without results has just removed its folder
                     Err(e) if e.kind() == ErrorKind::NotFound && tries.next().is_some() => {
                         continue 'again;
                     }
@@ -60,14 +60,14 @@ impl Folder {
             }
             match lock(dir) {
                 Lock::Taken => {
-                    // it is the other run's now, although this one may have made it
+                    // it belongs to the other run now, although this one may have made it
                     drop(own.kept());
                     return Err(Error::Taken {
                         path: dir.to_path_buf(),
                     });
                 }
                 Lock::Held(None) => break None,
-                // another run may just have put another folder in its place; some systems never tell which folder it is
+                // another run may just have put another folder in its place; some systems cannot tell which folder it is
                 Lock::Held(Some(file)) if is_still(&file, dir) || tries.next().is_none() => {
                     break Some(file);
                 }
@@ -102,7 +102,7 @@ impl Folder {
         }
     }
 
-    /// As it was named.
+    /// Its path as given.
     pub fn path(&self) -> &Path {
         &self.0.named
     }
@@ -136,15 +136,15 @@ impl Drop for Made {
     }
 }
 
-/// Removes folders that nobody has put anything into, outer ones first in the list.
+/// Removes empty folders, outer ones first in the list.
 pub(super) fn remove_empty<'p>(made: impl DoubleEndedIterator<Item = &'p PathBuf>) {
     for path in made.rev() {
-        // fails on one that holds something: then it stays
+        // fails on a folder with content: then it stays
         let _ = fs::remove_dir(path);
     }
 }
 
-/// Removes stages of runs that were killed; nobody who lives holds the folder, and a stage that somebody has is locked.
+/// Removes stages of killed runs; no live run holds the folder, and a stage in use is locked.
 fn sweep(place: &Path) {
     let name = place.file_name().unwrap_or_default().to_string_lossy();
     let beside = place.parent().map(|parent| (parent, name.as_ref()));
@@ -153,7 +153,7 @@ fn sweep(place: &Path) {
         let left = entries.filter(|e| is_random_name(&e.file_name().to_string_lossy(), of));
         for entry in left.filter(|e| e.file_type().is_ok_and(|kind| kind.is_dir())) {
             if let Lock::Held(Some(_)) = lock(&entry.path()) {
-                // what cannot be removed is in nobody's way
+                // leftovers that cannot be removed do no harm
                 let _ = fs::remove_dir_all(entry.path());
             }
         }
@@ -176,7 +176,7 @@ mod tests {
         let other = scratch.path().join("c");
         drop(Folder::hold(&other).unwrap());
         drop(held);
-        // nothing was written
+        // no file was written
         assert!(names(scratch.path()).is_empty());
         drop(Folder::hold(&dir).unwrap());
     }

@@ -1,8 +1,8 @@
-//! Files that take their places one by one, where a folder cannot change as a whole: on a mounted folder, on some file systems, beside
-//! many files of others.
+//! Files that are put in place one by one, where a folder cannot change as a whole: on a mounted folder, on some file systems, or beside
+//! many foreign files.
 //!
-//! All of them stand in a folder within the folder, with a list of what is to be done. From when that has its name on, the new answer
-//! is what counts: whoever comes next finishes what is left to do. Renaming a file twice is no harm.
+//! All of them are in a folder within the folder, with a list of the actions to be done. Once that folder has its name, the new answer
+//! is valid: the next run finishes the remaining actions. Renaming a file twice is harmless.
 
 use crate::output::Error;
 use crate::output::files::{random_name, unwritable};
@@ -10,16 +10,16 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What stages within a folder are called by.
+/// Beginning of the names of stages within a folder.
 pub(super) const INSIDE: &str = "dotyk";
 
 /// The folder of files that are being put in place.
 const JOURNAL: &str = ".dotyk.journal";
 
-/// In it, the list of them: a line for each, `+` before what is put in place and `-` before what is removed.
+/// In it, the list of them: a line for each, `+` for a file to be put in place and `-` for one to be removed.
 const LIST: &str = ".list";
 
-/// Whether the files of a folder are partly those of an answer and partly those of another.
+/// Whether the files of a folder belong to two different answers.
 pub(crate) fn is_unfinished(folder: &Path) -> bool {
     folder.join(JOURNAL).join(LIST).exists()
 }
@@ -71,7 +71,7 @@ pub(super) fn make_parents(file: &Path) -> io::Result<()> {
     file.parent().map_or(Ok(()), fs::create_dir_all)
 }
 
-/// Does what is left to do in a folder; nothing where there is no journal.
+/// Finishes the journal of a folder, if there is one.
 ///
 /// Errors: [`Error::Unwritable`].
 pub(super) fn finish(folder: &Path) -> Result<(), Error> {
@@ -82,7 +82,7 @@ pub(super) fn finish(folder: &Path) -> Result<(), Error> {
     let list = journal.join(LIST);
     let text = fs::read_to_string(&list).map_err(|e| unwritable(&list, e))?;
     for line in text.lines() {
-        // a name that leads elsewhere, or through a link that somebody planted, is none of ours
+        // a name that leads elsewhere, or through a planted link, is not one of ours
         let Some(target) = line.get(1..).and_then(|name| within(folder, name)) else {
             let message = format!("`{line}` of {} leads out of the folder", list.display());
             return Err(unwritable(folder, io::Error::other(message)));

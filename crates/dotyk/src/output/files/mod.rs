@@ -1,10 +1,10 @@
 //! Result files that change together: a folder holds all of an answer or all of the one before.
 //!
-//! A run holds its [`Folder`]: a second one that wants it is told. Files are written into a [`Stage`], a folder beside it with a random
-//! name. When all of them are on the disk, they take the place of the old ones in one step of the file system, where it has one: the
-//! two folders change their names (`swap`). Elsewhere the stage becomes a journal in the folder, from which they are renamed one by
-//! one; what stands in a journal is put in place by the next run, and a reader is told to wait for it (`journal`). So a run that is
-//! killed at any moment leaves the old answer or the new one, and what else it leaves goes away with the next.
+//! A run holds its [`Folder`]: a second run gets an error. Files are written into a [`Stage`], a folder beside it with a random
+//! name. When all of them are on the disk, they replace the old ones in one step of the file system, if it has such a step: the
+//! two folders exchange their names (`swap`). Elsewhere the stage becomes a journal in the folder, from which the files are renamed
+//! one by one; the next run finishes a journal, and a reader is told to wait for it (`journal`). So a run killed at any moment
+//! leaves the old answer or the new one, and other leftovers are removed by the next run.
 
 mod folder;
 mod journal;
@@ -22,15 +22,15 @@ use std::hash::BuildHasher;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// How the name of a stage ends.
+/// End of the name of a stage.
 const PARTIAL: &str = ".partial";
 
-/// What the name of a stage for the folder `of` begins with.
+/// Beginning of the name of a stage for the folder `of`.
 fn beginning(of: &str) -> String {
     format!(".{of}.")
 }
 
-/// A name for a stage that nobody can foresee.
+/// An unpredictable name for a stage.
 fn random_name(of: &str) -> String {
     let number = RandomState::new().hash_one(std::process::id());
     format!("{}{number:016x}{PARTIAL}", beginning(of))
@@ -43,11 +43,11 @@ fn is_random_name(name: &str, of: &str) -> bool {
     middle.is_some_and(|hex| hex.len() == 16 && hex.bytes().all(|b| b.is_ascii_hexdigit()))
 }
 
-/// What came of asking for a folder.
+/// Result of locking a folder.
 enum Lock {
     /// It is held while the file is open; `None` where the system locks no folders.
     Held(Option<File>),
-    /// Somebody else holds it.
+    /// Another run holds it.
     Taken,
 }
 
@@ -62,7 +62,7 @@ fn lock(folder: &Path) -> Lock {
     }
 }
 
-/// Folders cannot be opened: another run that writes at the same time is not told.
+/// Folders cannot be opened: another run that writes at the same time is not noticed.
 #[cfg(not(unix))]
 fn lock(_folder: &Path) -> Lock {
     Lock::Held(None)

@@ -9,10 +9,10 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard};
 
-/// Most files that are brought to the disk side by side.
+/// Most files that are synced in parallel.
 const SIDE_BY_SIDE: usize = 8;
 
-/// What a process that ends at once has to remove.
+/// Folders and files that a process has to remove when it is ended.
 #[derive(Default)]
 pub(super) struct Left {
     pub stages: BTreeSet<PathBuf>,
@@ -25,10 +25,10 @@ static LEFT: Mutex<Left> = Mutex::new(Left {
     made: BTreeSet::new(),
 });
 
-/// Whoever writes has it to read; whoever ends the process has it to write, and for ever.
+/// Writers of files hold it for reading; the end of the process holds it for writing, for ever.
 static WRITING: RwLock<()> = RwLock::new(());
 
-/// What keeps the process from ending while something is written.
+/// A guard that keeps the process from ending during a write.
 pub(super) fn writing() -> RwLockReadGuard<'static, ()> {
     WRITING.read().unwrap_or_else(PoisonError::into_inner)
 }
@@ -37,8 +37,8 @@ pub(super) fn left() -> MutexGuard<'static, Left> {
     LEFT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all that is being written, and folders that were made for it, and lets nothing be written any more: for a process that was
-/// told to end. Files that take their places do so first.
+/// Removes all unfinished files and the folders made for them, and blocks further writing: for a process that was told to end. Files
+/// that are being put in place are finished first.
 pub fn abandon() {
     std::mem::forget(WRITING.write().unwrap_or_else(PoisonError::into_inner));
     let left = std::mem::take(&mut *left());
@@ -48,13 +48,13 @@ pub fn abandon() {
     remove_empty(left.made.iter());
 }
 
-/// Files on their way into a folder, which see nobody before all of them are there; dropped without [`Stage::commit`] it leaves nothing.
+/// Files on their way into a folder, invisible until all of them are there; dropped without [`Stage::commit`] it leaves no files.
 pub struct Stage {
     folder: Folder,
-    /// Where they are until then.
+    /// Their folder until then.
     place: PathBuf,
     files: Vec<String>,
-    /// Nobody else may remove it.
+    /// Keeps other runs from removing it.
     _lock: Lock,
 }
 
@@ -68,7 +68,7 @@ impl Stage {
         let name = target.file_name().map(|name| name.to_string_lossy());
         let beside = target.parent().zip(name);
         let beside = beside.and_then(|(parent, name)| new_folder(parent, &name).ok());
-        // the folder above may belong to somebody else
+        // the folder above may belong to another user
         let place = match beside {
             Some(place) => place,
             None => {
@@ -76,7 +76,7 @@ impl Stage {
             }
         };
         if let Ok(data) = target.metadata() {
-            // whoever may read the folder may read the stage, which has its name for a moment
+            // the stage gets the permissions of the folder, because it has its name for a moment
             let _ = fs::set_permissions(&place, data.permissions());
         }
         Ok(Self {
@@ -144,7 +144,7 @@ impl Stage {
         if !(beside && swap::swap(folder, &self.place, &self.files, &stale)) {
             journal::put_in_place(folder, &self.place, &self.files, &stale)?;
         }
-        // the names, too; a folder that cannot be synced has been written nevertheless
+        // the names, too; a folder that cannot be synced has been written all the same
         for path in [Some(folder), folder.parent()].into_iter().flatten() {
             let _ = File::open(path).and_then(|dir| dir.sync_all());
         }
@@ -164,7 +164,7 @@ impl Drop for Stage {
     }
 }
 
-/// Makes a folder with a name that nobody can foresee.
+/// Makes a folder with an unpredictable name.
 fn new_folder(parent: &Path, of: &str) -> io::Result<PathBuf> {
     loop {
         let place = parent.join(random_name(of));
@@ -181,7 +181,7 @@ fn new_folder(parent: &Path, of: &str) -> io::Result<PathBuf> {
     }
 }
 
-/// Brings files to the disk.
+/// Syncs files to the disk.
 fn sync(place: &Path, files: &[String]) -> io::Result<()> {
     let each = files.len().div_ceil(SIDE_BY_SIDE).max(1);
     let some = |names: &[String]| {
@@ -191,7 +191,7 @@ fn sync(place: &Path, files: &[String]) -> io::Result<()> {
     std::thread::scope(|scope| {
         let parts = files.chunks(each).map(|names| {
             let thread = std::thread::Builder::new().spawn_scoped(scope, move || some(names));
-            // a system that gives no thread has this one
+            // without a new thread this one does the work
             thread.map_or_else(|_| Err(some(names)), Ok)
         });
         let parts: Vec<_> = parts.collect();
@@ -245,7 +245,7 @@ mod tests {
         }
         #[cfg(unix)]
         std::os::unix::fs::symlink("nowhere", dir.join("link")).unwrap();
-        // a link that somebody has planted where a result is to be: it is not followed
+        // a link planted in place of a result: it is not followed
         #[cfg(unix)]
         std::os::unix::fs::symlink(dir.join("mine.txt"), dir.join("two.txt")).unwrap();
         let opened = File::open(&dir).unwrap();

@@ -1,9 +1,9 @@
 //! Two folders that change their names, so that all files of one change at the same moment.
 //!
-//! The new files stand in a stage beside the folder, and those that others have put into the folder are linked there, too. After the
-//! exchange of names the folder is the stage, whole; now the one that was the folder gets the new files, as links, and is given its name
-//! back: whoever has it open, a shell or a viewer, has it still. At every moment what the name leads to is whole, and what does not have
-//! it holds nothing that is not also there: it can be removed.
+//! The new files are in a stage beside the folder, and foreign files of the folder are linked there, too. After the exchange of names
+//! the stage is the folder, complete. Now the former folder gets the new files as links, and its name back: a shell or a viewer that
+//! has it open still has it. At every moment the folder with the name is complete, and the other one holds no file that is not also
+//! there: it can be removed.
 
 use crate::output::files::journal::make_parents;
 use std::collections::HashSet;
@@ -11,10 +11,11 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// Most files of others that are linked: beside more of them files are put in place one by one.
+/// Most foreign files that are linked: with more of them files are put in place one by one.
 const MOST: usize = 1000;
 
-/// Gives a folder the `files` of the stage, without the `stale` ones. False where that cannot be done so: then the folder is as it was.
+/// Gives a folder the `files` of the stage, without the `stale` ones. `false` if the exchange is impossible: then the folder is
+/// unchanged.
 pub(super) fn swap(folder: &Path, stage: &Path, files: &[String], stale: &[String]) -> bool {
     let own: HashSet<&Path> = files.iter().chain(stale).map(Path::new).collect();
     let mut links = 0;
@@ -22,14 +23,14 @@ pub(super) fn swap(folder: &Path, stage: &Path, files: &[String], stale: &[Strin
     if adopted.is_err() || exchange(folder, stage).is_err() {
         return false;
     }
-    // the stage is the old folder from here on; where that cannot be renewed it has done its service
+    // the stage is the old folder from here on; if it cannot be renewed the stage's files are in place all the same
     if renew(stage, folder, files, stale).is_ok() && exchange(folder, stage).is_ok() {
         rescue(stage, folder);
     }
     true
 }
 
-/// Links all that others have put into the folder below `at` into the stage.
+/// Links all foreign files of the folder below `at` into the stage.
 fn adopt(
     folder: &Path,
     stage: &Path,
@@ -59,7 +60,7 @@ fn adopt(
     Ok(())
 }
 
-/// Gives what was the folder the files of the whole one.
+/// Gives the former folder the files of the complete one.
 fn renew(old: &Path, whole: &Path, files: &[String], stale: &[String]) -> io::Result<()> {
     for name in files.iter().chain(stale) {
         let target = old.join(name);
@@ -75,12 +76,12 @@ fn renew(old: &Path, whole: &Path, files: &[String], stale: &[String]) -> io::Re
     Ok(())
 }
 
-/// What somebody has put into the stage while it had the name of the folder moves over.
+/// Moves files that others put into the stage while it had the name of the folder.
 fn rescue(stage: &Path, folder: &Path) {
     for entry in fs::read_dir(stage).into_iter().flatten().flatten() {
         let target = folder.join(entry.file_name());
         if target.symlink_metadata().is_err() {
-            // what cannot be moved is lost with the stage
+            // files that cannot be moved are lost with the stage
             let _ = fs::rename(entry.path(), target);
         }
     }

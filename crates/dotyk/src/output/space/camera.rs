@@ -1,8 +1,8 @@
-//! How space is seen on paper: parallel projection along a direction, and the window that shows it.
+//! Projection of space onto paper: parallel projection along a direction, and the window that shows it.
 //!
 //! Camera coordinates of a point p are (right·q, up·q, towards·q) with q = scale (p − centre): right-handed, in pixels, the
 //! third one grows towards the viewer. Pixels have y downward: (x, y) = middle + (right·q, −up·q).
-//! The projection is linear, so what is interpolated between points may be interpolated between their pixels.
+//! The projection is linear, so that values can be interpolated between pixels as between points.
 
 use crate::geometry::{Point, cross, dot, sub, unit};
 use crate::output::svg::Pixel;
@@ -74,7 +74,7 @@ pub struct Window {
     pub corner: Pixel,
     /// Size in pixels.
     pub size: Pixel,
-    /// Who looks.
+    /// The camera.
     pub camera: Camera,
     /// The point in the middle of the window, in camera directions and units of length.
     pub centre: Pixel,
@@ -82,7 +82,7 @@ pub struct Window {
     pub middle: Pixel,
     /// Pixels per unit of length.
     pub scale: f64,
-    /// What is seen goes on behind the frame.
+    /// The bodies continue beyond the frame.
     pub filled: bool,
 }
 

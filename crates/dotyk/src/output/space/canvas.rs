@@ -15,7 +15,7 @@ pub const FINE: usize = 2;
 /// Samples per pixel of the picture and direction.
 const SAMPLES: usize = 2;
 
-/// What has no value.
+/// Colour of places without a value.
 pub const NONE: [u8; 3] = [0xc9, 0xce, 0xd3];
 
 /// A corner of a triangle.
@@ -29,7 +29,7 @@ pub struct Corner {
     pub value: f64,
 }
 
-/// What a triangle is painted with.
+/// Paint of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Paint {
     /// One colour.
@@ -43,7 +43,7 @@ pub enum Paint {
 pub struct Ink {
     /// Its colour.
     pub colour: [u8; 3],
-    /// How much it covers, at most 1.
+    /// Its opacity, at most 1.
     pub cover: f32,
     /// Width in pixels of the drawing.
     pub width: f64,
@@ -59,7 +59,7 @@ pub struct Canvas {
     fine: usize,
     depth: Vec<f32>,
     colour: Vec<[u8; 3]>,
-    /// One more than the number of the body that is seen; 0: nothing.
+    /// One more than the number of the visible body; 0: no body.
     owner: Vec<u16>,
     /// One more than the number of the ink; of several the last counts.
     ink: Vec<u8>,
@@ -95,7 +95,7 @@ impl Canvas {
         }
     }
 
-    /// What is drawn from now on is left out beyond a plane.
+    /// Clips all further drawing at a plane.
     pub fn cut(&mut self, cut: Option<Cut>) {
         self.cut = cut;
     }
@@ -225,7 +225,7 @@ impl Canvas {
         inside.then(|| y as usize * self.width + x as usize)
     }
 
-    /// Whether nothing hides a place by more than `room` pixels.
+    /// Whether a place is visible: no surface is nearer by more than `room` pixels.
     pub fn sees(&self, place: [f64; 3], room: f64) -> bool {
         let sample = self.sample([place[0], place[1]]);
         sample.is_some_and(|s| f64::from(self.depth[s]) <= place[2] + room)
@@ -255,7 +255,7 @@ impl Canvas {
             .is_some_and(|s| self.owner[s] == number(owner))
     }
 
-    /// Sum of the red parts of all samples that show something, in [0, 1] each.
+    /// Sum of the red parts of all covered samples, in [0, 1] each.
     pub fn redness(&self) -> f64 {
         let seen = self.colour.iter().zip(&self.owner);
         let red = seen.filter(|(_, owner)| **owner > 0);
@@ -314,7 +314,7 @@ fn shaded(colour: [u8; 3], shade: f64) -> [u8; 3] {
     colour.map(|c| (f32::from(c) * shade + 0.5) as u8)
 }
 
-/// What stands for a body in [`Canvas::owner`]; the last for all beyond.
+/// Number of a body in [`Canvas::owner`]; the last one for all beyond.
 fn number(owner: usize) -> u16 {
     u16::try_from(owner + 1).unwrap_or(u16::MAX)
 }

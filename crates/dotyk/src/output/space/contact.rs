@@ -33,7 +33,7 @@ const BETWEEN: f64 = 14.0;
 /// Most contacts with pictures: those that are not tied and bear most.
 const PICTURED: usize = 6;
 
-/// What is written beside the name of a side that is not seen whole.
+/// Remark beside the name of a side that is shown in part.
 const CUTOUT: &str = "cutout: what touches, with its surroundings";
 
 /// Colours of the states.
@@ -49,7 +49,7 @@ const STATES: [(Status, &str); 6] = [
 /// Edges of cells on the colours of states.
 const CELLS: Ink = Ink { cover: 0.3, ..THIN };
 
-/// The figures of a contact; nothing for a contact without nodes, and where many others bear more.
+/// The figures of a contact; empty for a contact without nodes, and if many others bear more.
 pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> Option<Markup> {
     let force = |i: usize| norm(solution.contacts[i].resultant);
     let tied = |i: usize| {
@@ -160,7 +160,7 @@ struct Highest {
 }
 
 impl Face<'_> {
-    /// A window onto what is seen of the side.
+    /// A window onto the visible part of the side.
     pub fn window(&self, corner: [f64; 2], size: [f64; 2]) -> Window {
         let filled = self.view.cutout;
         let margin = if filled { 0.0 } else { MARGIN };

@@ -1,7 +1,7 @@
-//! The faces of a contact in space: what their nodes know of it, and what of them is worth seeing.
+//! The faces of a contact in space: values at their nodes, and the part of them that is shown.
 //!
 //! The nonmortar side carries the values. On the other side a node has those of the point of the nonmortar side that is
-//! nearest to it, by the triangles around the nearest node; none where it faces no part of that side.
+//! nearest to it, by the triangles around the nearest node; no value where it does not face that side.
 //! Where a small part of a side touches, its picture is a cutout: that part with its surroundings.
 
 use crate::geometry::{Point, add_scaled, bounding_box, cross, distance, dot, norm, sub, unit};
@@ -17,16 +17,16 @@ use crate::output::view::Box2;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-/// Where what touches is smaller than this part of a side, the rest is cut away.
+/// If the closed part is smaller than this part of a side, the rest is cut away.
 const SMALL: f64 = 0.5;
 
-/// Surroundings of what touches on all sides, as a part of its size.
+/// Surroundings of the closed part on all sides, as a part of its size.
 const AROUND: f64 = 0.3;
 
 /// Facets whose mean unit normal is longer lie almost in a plane.
 const FLAT: f64 = 0.97;
 
-/// A side with what its nodes know of the contact; NaN and `None` where they know nothing.
+/// A side with the values of the contact at its nodes; NaN and `None` without a value.
 pub struct Face<'a> {
     /// `body.side`, and from where it is seen.
     pub title: String,
@@ -36,17 +36,17 @@ pub struct Face<'a> {
     pub skin: Skin<'a>,
     /// By node of the body.
     pub pressure: Vec<f64>,
-    /// By node of the body; what is rounding is zero.
+    /// By node of the body; rounding is set to zero.
     pub gap: Vec<f64>,
     /// By node of the body.
     pub status: Vec<Option<Status>>,
-    /// What of it is seen.
+    /// The visible part.
     pub view: View,
 }
 
-/// What of a side is seen, and from where.
+/// The visible part of a side, and its camera.
 pub struct View {
-    /// Who looks.
+    /// The camera.
     pub camera: Camera,
     /// Its box on paper, in units of length.
     pub extent: Box2,
@@ -101,7 +101,7 @@ fn size(mesh: &Mesh<3>, facets: &[Facet]) -> f64 {
     distance(low, high)
 }
 
-/// A box with its surroundings, as far as these reach.
+/// A box with its surroundings, within the given limits.
 fn surrounded((low, high): Box2, (least, most): Box2) -> Box2 {
     let room = AROUND * (high[0] - low[0]).max(high[1] - low[1]);
     (
@@ -339,7 +339,7 @@ mod tests {
     use crate::mesh::CellKind;
     use crate::output::space::tests::cuboid;
 
-    /// States of the top of a plate of 40 × 40: what lies within this distance of a corner touches.
+    /// States of the top of a plate of 40 × 40: nodes within this distance of a corner touch.
     fn view(reach: f64) -> View {
         let mesh = cuboid([0.0; 3], [40.0, 40.0, 1.0], [40, 40, 1], CellKind::Hex8);
         let state = |p: &Point<3>| match (p[2] > 0.5, p[0].max(p[1]) <= reach) {

@@ -1,5 +1,5 @@
 //! Pictures of friction on the nonmortar side of a contact in space: shear traction and slip, by colour and as arrows, with
-//! the line between what sticks and what slips.
+//! the line between sticking and slipping parts.
 //!
 //! Signs: shear is the tangential traction ON the nonmortar body, slip its displacement relative to the other side since the
 //! beginning. The lines are where states that are linear between the nodes, 1 and 0, are ½.
@@ -55,7 +55,7 @@ struct Tangential {
     lengths: Vec<f64>,
 }
 
-/// The figure; nothing where no node sticks or slips.
+/// The figure; `None` if no node sticks or slips.
 pub fn friction_figure(
     scene: &Scene<'_>,
     contact: &ContactSolution<3>,
@@ -213,7 +213,7 @@ fn draw(
     canvas
 }
 
-/// Arrows in the middle of nodes that are seen, a fixed distance apart.
+/// Arrows centred at visible nodes, a fixed distance apart.
 fn arrows(
     svg: &mut Svg,
     window: &Window,

@@ -1,7 +1,7 @@
 //! Symbols of supports and loads on surfaces in space, and labels that keep clear of each other.
 //!
-//! Symbols stand where their side is seen: at points of its facets that nothing hides, a fixed distance apart on paper. They
-//! are drawn along their directions in space, shortened as the camera shortens them.
+//! Symbols are drawn at visible points of the facets of their side, a fixed distance apart on paper, along their directions in
+//! space, with the foreshortening of the camera.
 
 use crate::geometry::{Point, add_scaled, dot, norm, unit};
 use crate::mesh::{Facet, Mesh};
@@ -19,7 +19,7 @@ const ARROW: f64 = 32.0;
 /// From one symbol to the next on paper.
 const SPACING: f64 = 27.0;
 
-/// What is shortened to less than this part points at the viewer.
+/// A symbol shortened to less than this part points at the viewer.
 const END_ON: f64 = 0.3;
 
 /// A point of a surface with its outward unit normal.
@@ -215,7 +215,7 @@ pub struct Labelled {
 }
 
 impl Labelled {
-    /// Nothing is written over the line between two places, if it can be helped.
+    /// Keeps labels off the line between two places, if possible.
     pub fn keep(&mut self, [a, b]: [Pixel; 2]) {
         const ROOM: f64 = 4.0;
         let length = (b[0] - a[0]).hypot(b[1] - a[1]);

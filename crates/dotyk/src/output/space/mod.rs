@@ -38,7 +38,7 @@ pub fn stress_figures(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
     shape + turning + section
 }
 
-/// Pressure, gap and state of a contact; nothing where others bear more and there are many.
+/// Pressure, gap and state of a contact; empty if there are many contacts and others bear more.
 pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> Markup {
     contact::contact_figure(scene, solution, index).unwrap_or_default()
 }

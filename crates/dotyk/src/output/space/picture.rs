@@ -18,7 +18,7 @@ use rayon::prelude::*;
 /// Room around the bodies.
 const MARGIN: f64 = 14.0;
 
-/// A place on a surface is seen where nothing is nearer by more than this many pixels.
+/// A place on a surface is visible if no surface is nearer by more than this many pixels.
 const SEEN: f64 = 2.0;
 
 /// The limit.

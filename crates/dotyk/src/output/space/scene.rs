@@ -1,7 +1,7 @@
-//! What all pictures of a model in space share: surfaces of its bodies, directions to look from, windows, triad and scale.
+//! Common parts of all pictures of a model in space: surfaces of its bodies, cameras, windows, triad and scale.
 //!
-//! The first direction is, of some round the model, the one that shows most of the marked facets: every direction is
-//! drawn small, and what is seen is counted. The other is its opposite, which shows what the first does not.
+//! The first direction is the one, of some around the model, that shows most of the marked facets: every direction is drawn
+//! small, and visible pixels are counted. The other is its opposite, which shows the parts hidden from the first.
 
 use crate::geometry::{Point, bounding_box};
 use crate::mesh::Facet;
@@ -31,7 +31,7 @@ const LIFT: f64 = 26.0;
 /// A direction must show this many times as much as an earlier one to be chosen.
 const BETTER: f64 = 1.15;
 
-/// Size of the pictures that tell what a camera sees.
+/// Size of the pictures that test a camera.
 const SMALL: Pixel = [220.0, 220.0];
 
 /// Edges between cells.
@@ -57,7 +57,7 @@ pub const HEAVY: Ink = Ink {
     depth: Some(1.8),
 };
 
-/// Edges of what is seen through.
+/// Edges of transparent parts.
 pub const GHOST: Ink = Ink {
     colour: [0x8a, 0x95, 0xa0],
     cover: 0.6,
@@ -73,7 +73,7 @@ pub struct Scene<'a> {
     pub skins: Vec<Skin<'a>>,
     /// Box around everything.
     pub bounds: (Point<3>, Point<3>),
-    /// What is loaded, held or touches shows most from the first; the other looks from the opposite side.
+    /// The first shows most of the loaded, held and contact facets; the other looks from the opposite side.
     pub cameras: [Camera; 2],
 }
 
@@ -95,7 +95,7 @@ impl<'a> Scene<'a> {
         scene
     }
 
-    /// Facets of a named side; none where there is no such side.
+    /// Facets of a named side; empty without such a side.
     pub fn side(&self, body: usize, side: &str) -> &'a [Facet] {
         let body = self.model.bodies.get(body);
         body.and_then(|b| b.mesh.side(side)).unwrap_or(&[])
@@ -107,7 +107,7 @@ impl<'a> Scene<'a> {
         (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max)
     }
 
-    /// Of some cameras round the model the first that shows most of what is worth seeing.
+    /// The first of some cameras around the model that shows most of the marked facets.
     fn best_camera(&self) -> Camera {
         let bodies = 0..self.skins.len();
         let weights: Vec<Vec<f64>> = bodies.map(|body| self.weights(body)).collect();
@@ -133,7 +133,7 @@ impl<'a> Scene<'a> {
         best.0
     }
 
-    /// How much a facet of a body is worth seeing.
+    /// Weight of a facet of a body in the choice of a camera.
     fn weights(&self, body: usize) -> Vec<f64> {
         let facets = &self.skins[body].facets;
         let mut weights = vec![0.0; facets.len()];

@@ -33,16 +33,16 @@ const INSIDE: f64 = 0.02;
 /// How far a plane is moved off nodes that lie on it, as a part of the size.
 const OFF: f64 = 1e-6;
 
-/// A plane shows more than another one if it does by this factor.
+/// A plane replaces another one only if it shows more by this factor.
 const BETTER: f64 = 1.05;
 
-/// A contact is cut through its middle where the plane passes it nearer than what is left of its half.
+/// A contact counts as cut through its middle if the plane passes the middle within this part of its half size.
 const CUT: f64 = 0.8;
 
 /// A contact smaller than this part of the model is drawn close-up, too.
 const CLOSE: f64 = 0.2;
 
-/// A plane across an axis, and why it is there.
+/// A plane across an axis, and the reason for it.
 struct Section {
     axis: usize,
     at: f64,
@@ -54,7 +54,7 @@ struct Section {
 /// A point of a cell: its place and its value.
 type Vertex = (Point<3>, f64);
 
-/// The figure; nothing where there is no place to cut through.
+/// The figure; `None` without a place to cut through.
 pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Markup> {
     let section = section(scene, solution)?;
     let labels = Labels::of(scene.model);
@@ -67,7 +67,7 @@ pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Marku
         _ => Camera::around(24.0, 58.0),
     };
     let on = normal.map(|n| n.abs() * section.at);
-    // what is cut away needs no room: its nodes count at their places on the plane
+    // the part cut away needs no room: its nodes count at their places on the plane
     let left = scene.nodes().map(|p| {
         let ahead = beyond(p, (on, normal)).max(0.0);
         add_scaled(p, -ahead, normal)
@@ -118,7 +118,7 @@ fn on_plane(
     })
 }
 
-/// Across the axis and through the contact that show most of the contacts cut; where nothing touches, through the largest
+/// Across the axis and through the contact that show most of the cut contacts; without closed contacts, through the largest
 /// stress.
 fn section(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Section> {
     let middles: Vec<Middle> = solution.contacts.iter().filter_map(Middle::of).collect();
@@ -148,7 +148,7 @@ fn section(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Section> {
     let (axis, at, _) = best?;
     let cut = middles.iter().filter(|m| m.near(axis, at) > CUT);
     let most = cut.max_by(|a, b| a.force.total_cmp(&b.force));
-    // of a contact a part of what touches, of the model a part of its size
+    // a part of the closed area of a contact, or of the size of the model
     let room = INSIDE * most.map_or(extent[axis], |m| 2.0 * m.reach[axis]);
     Some(Section {
         axis,
@@ -158,25 +158,25 @@ fn section(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Section> {
     })
 }
 
-/// Where a contact bears.
+/// The middle of the forces of a contact.
 struct Middle {
     name: String,
     /// Centre of its pressure.
     place: Point<3>,
-    /// Half of the box around what touches.
+    /// Half of the box around the closed nodes.
     reach: Point<3>,
     /// Mean unit normal, by force.
     normal: Point<3>,
     /// Sum of the normal forces.
     force: f64,
-    /// How far the forces are from symmetric about the middle along each axis: their skewness.
+    /// Asymmetry of the forces about the middle along each axis: their skewness.
     skew: Point<3>,
-    /// Corners of the box around what touches.
+    /// Corners of the box around the closed nodes.
     bounds: (Point<3>, Point<3>),
 }
 
 impl Middle {
-    /// Of a contact that touches; what is glued is no contact.
+    /// The middle of a closed contact; ties do not count.
     fn of(contact: &ContactSolution<3>) -> Option<Self> {
         let touches = |status: Status| in_contact(status) && status != Status::Tied;
         let touching = contact.nodes.iter().filter(|n| touches(n.status));
@@ -209,7 +209,7 @@ impl Middle {
         })
     }
 
-    /// How near a plane across an axis goes to the middle: 1 through it, 0 beside what touches.
+    /// Closeness of a plane across an axis to the middle: 1 through it, 0 beside the closed nodes.
     fn near(&self, axis: usize, at: f64) -> f64 {
         let off = (at - self.place[axis]).abs();
         match self.reach[axis] > 0.0 {
@@ -218,8 +218,8 @@ impl Middle {
         }
     }
 
-    /// What a plane shows of the contact cut: more where the normal lies in the plane, and where the forces on both of its sides
-    /// are alike, as about the axis of a bolt.
+    /// Merit of a plane for a cut contact: larger if the normal lies in the plane, and if the forces on both of its sides are
+    /// alike, as about the axis of a bolt.
     fn shown(&self, axis: usize, at: f64) -> f64 {
         let across = (1.0 - self.normal[axis].abs()).max(0.05);
         let alike = (1.0 - self.skew[axis].abs()).max(0.2);
@@ -230,7 +230,7 @@ impl Middle {
         format!("the middle of the contact {}", self.name)
     }
 
-    /// The box around what touches with its surroundings, where it is small beside the model.
+    /// The box around the closed nodes with its surroundings, if it is small beside the model.
     fn close(&self, scene: &Scene<'_>) -> Option<(Point<3>, Point<3>)> {
         let (low, high) = self.bounds;
         let size = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
@@ -239,7 +239,7 @@ impl Middle {
     }
 }
 
-/// A place and what it is.
+/// The place of the largest stress, and its description.
 fn largest_stress(solution: &Solution<3>) -> Option<(Point<3>, String)> {
     let peaks = solution.bodies.iter().filter_map(|b| Some((b, b.peak?)));
     let (body, peak) = peaks.max_by(|a, b| a.1.most.value.total_cmp(&b.1.most.value))?;
@@ -295,13 +295,13 @@ fn cut(
 struct Cells<'a> {
     mesh: &'a Mesh<3>,
     values: &'a [f64],
-    /// Where the values are given.
+    /// Places of the values.
     borders: &'a Borders,
     plane: (Point<3>, Point<3>),
 }
 
 impl Cells<'_> {
-    /// What the plane cuts out of them, with the edges of the cells.
+    /// The section of these cells with the plane, with the edges of the cells.
     fn draw(&self, canvas: &mut Canvas, window: &Window, owner: usize) {
         let mut facets = Vec::new();
         self.pieces(&mut facets, &mut |piece| {

@@ -29,10 +29,10 @@ const LINES: usize = 12;
 /// Bodies that show less than this many square pixels are named in the legend alone.
 const LEAST_SHOWN: f64 = 900.0;
 
-/// What is written below windows.
+/// Captions below windows.
 pub const WORDS: [&str; 2] = ["from above", "other side, from below"];
 
-/// The figure; `alone` are contact nodes that face nothing.
+/// The figure; `alone` are contact nodes without an opposite side.
 pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> Markup {
     let labels = Labels::of(scene.model);
     let (windows, height) = scene.windows(MARGIN);
@@ -75,7 +75,7 @@ pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> Markup {
     html::figure(&svg.finish(), "Mesh, supports and loads", &caption)
 }
 
-/// The bodies in their tints, what is held greenish and what is loaded bluish, with their edges and those of the contacts.
+/// The bodies in their tints, held sides greenish and loaded ones bluish, with their edges and those of the contacts.
 fn surfaces(scene: &Scene<'_>, window: &Window) -> Canvas {
     let mut inks = vec![THIN, GHOST, HEAVY];
     inks.extend(SERIES.map(|colour| Ink {
@@ -224,7 +224,7 @@ impl Sheet<'_> {
         self.svg.end_clip();
     }
 
-    /// Names of bodies on what is seen of them.
+    /// Names of bodies on their visible parts.
     fn names(&mut self, labelled: &mut Labelled) {
         let bodies = &self.scene.model.bodies;
         if bodies.len() > NAMED {
@@ -319,7 +319,7 @@ impl Sheet<'_> {
         }
     }
 
-    /// The point of a couple, lines to its side, what holds and drives it.
+    /// The point of a couple, lines to its side, its supports and loads.
     fn couple(&mut self, mesh: &Mesh<3>, couple: &Couple<3>) {
         let window = self.window;
         let at = window.pixel(couple.point);

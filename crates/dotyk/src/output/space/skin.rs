@@ -65,7 +65,7 @@ impl Lattice {
         }
     }
 
-    /// The value at a point of the lattice of what has these values at the nodes.
+    /// The value at a point of the lattice, interpolated from these nodal values.
     pub fn value(&self, point: usize, nodes: &[f64]) -> f64 {
         self.shapes[point]
             .iter()
@@ -159,11 +159,11 @@ pub struct Edge {
     width: f64,
 }
 
-/// What a picture knows of the nodes of a body.
+/// Nodes of a body in a picture.
 pub struct Look {
     /// Places in a window.
     pub places: Vec<Point<3>>,
-    /// In [0, 1] along the colours; NaN where there is none.
+    /// In [0, 1] along the colours; NaN without a value.
     pub values: Vec<f64>,
     /// Where the values are given; by default at the nodes.
     pub borders: Borders,

@@ -1,9 +1,9 @@
 //! Surfaces for the view that turns: triangles on nodes, and fewer of them where they are many.
 //!
 //! Nodes that lie in one cube of a grid, belong to one body, look into the same of six directions and lie on edges of features
-//! or do not, become the first of them; triangles that lose a corner are left out. Features so keep their nodes, the two
-//! faces of a plate stay apart, and since neighbours lose the same corners no holes open. The grid is the finest
-//! of a sequence that leaves few enough triangles.
+//! or do not, are merged into the first of them; triangles that lose a corner are left out. So features keep their nodes, the
+//! two faces of a plate stay separate, and no holes open, because neighbours lose the same corners. The grid is the finest of a
+//! sequence that leaves few enough triangles.
 //!
 //! Source: J. Rossignac, P. Borrel, Multi-resolution 3D approximations for rendering complex scenes (1993), as described in
 //! later texts.
