@@ -1,4 +1,4 @@
-//! What a program that builds and solves a model names: `use dotyk::prelude::*;`.
+//! Names for a program that builds and solves a model: `use dotyk::prelude::*;`.
 
 pub use crate::geometry::{Field, Point};
 pub use crate::mesh::{

@@ -10,7 +10,7 @@
 //!   w = q/(24EI) (x⁴ − (8/3) s x³ + 2 s² x²),   w(s) = q s⁴/(72EI) = g
 //! ```
 //!
-//! which leaves the force qs/3 at each edge of the contact and the uniform reaction q between them.
+//! so that each edge of the contact bears the force qs/3, with the uniform reaction q between them.
 //! A cantilever with a stop at its tip: R = 3qL/8 − 3EIg/L³ for a uniform load, R = P − 3EIg/L³ for a tip load.
 
 /// A beam clamped at both ends, uniformly loaded, over a flat obstacle.

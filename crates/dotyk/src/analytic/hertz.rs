@@ -189,7 +189,7 @@ impl Sphere {
         ]
     }
 
-    /// By how much the surface of a body with this material sinks at r ≥ a, relative to its distant points.
+    /// Sinking of the surface of a body with this material at r ≥ a, relative to its distant points.
     pub fn depression(&self, r: f64, material: Material) -> f64 {
         let a = self.a;
         let beside = (2.0 * a * a - r * r) * (a / r).asin() + a * (r * r - a * a).sqrt();
@@ -303,7 +303,7 @@ mod tests {
 
     #[test]
     fn the_stress_is_a_superposition_of_line_forces() {
-        // Flamant: a force p ds at (s, 0) gives the radial stress −2p z/(π r²) and nothing else.
+        // Flamant: a force p ds at (s, 0) gives the radial stress −2p z/(π r²) only.
         let [x, z] = [0.8, 0.45];
         let part = |i: usize| {
             integral(

@@ -11,7 +11,7 @@
 //! with (E, ν) of plane stress, or (E/(1−ν²), ν/(1−ν)) in plane strain.
 //! A press fit with the radial interference δ at r = b closes the gap: u_outer(b) − u_inner(b) = δ.
 //!
-//! A ring that is warmer than its hole by ΔT, and fitted it when it was cold, is a press fit with the interference αΔT R,
+//! A ring that fits its hole when cold, and is then warmer by ΔT, is a press fit with the interference αΔT R,
 //! in plane strain (1+ν)αΔT R: Hooke's law with the strain αΔT in all directions has, where εz = 0, the strain (1+ν)αΔT in
 //! the plane and σz = ν(σr + σθ) − EαΔT (S. Timoshenko, J. N. Goodier, article 151).
 //!
@@ -76,7 +76,7 @@ pub struct PressFit {
     pub outer_material: Material,
     /// Plane strain or plane stress.
     pub plane: Plane,
-    /// Radial interference δ > 0: how much the undeformed inner ring is too large.
+    /// Radial interference δ > 0: the excess radius of the undeformed inner ring.
     pub interference: f64,
 }
 
@@ -113,14 +113,14 @@ impl PressFit {
     }
 }
 
-/// A ring that fits a hole free of stress and is then warmer than what is around it.
+/// A ring that fits a hole free of stress and is then warmer than its surroundings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeatedRing {
     /// Bore of the ring.
     pub bore: f64,
     /// Radius of the hole.
     pub radius: f64,
-    /// Outer radius of what is around the hole; may be infinite.
+    /// Outer radius of the material around the hole; may be infinite.
     pub outer: f64,
     /// Material of the ring.
     pub ring: Material,
@@ -130,7 +130,7 @@ pub struct HeatedRing {
     pub plane: Plane,
     /// Coefficient of thermal expansion α of the ring.
     pub expansion: f64,
-    /// ΔT: how much warmer the ring is.
+    /// ΔT: temperature of the ring above that of its surroundings.
     pub temperature: f64,
 }
 

@@ -1,8 +1,8 @@
-//! Tunnels in ground that is stressed before they are cut: the bare hole, and a lining that comes at once, late, or in two layers.
+//! Tunnels in ground with an initial stress: the bare hole, and a lining that comes at once, late, or in two layers.
 //!
 //! Far away, and everywhere before the excavation, σyy = −sv and σxx = −K0 sv (sv > 0 is compression). Stresses are
 //! total. Displacements of the ground count from the excavation, those of a lining from the moment when it comes:
-//! unlike in [`ring`](crate::analytic::ring), the far field moves nothing. θ is measured from the springline (+x).
+//! unlike in [`ring`](crate::analytic::ring), the far field causes no displacement. θ is measured from the springline (+x).
 //!
 //! Bare hole of radius a (G. Kirsch, Z. VDI 42 (1898) 797–807): the harmonics n = 0 and 2 of the series in
 //! [`ring`](crate::analytic::ring) with A = (sv + sh)/2, a = c = −(sv − sh)/4, d = −2a. At its wall
@@ -83,7 +83,7 @@ impl Kirsch {
     }
 }
 
-/// What the displacements of the ground come from: C and a are the stress that was there before.
+/// The series for the displacements of the ground, without C and a, the initial stress.
 fn without_far_field(ground: Series) -> Series {
     let ([log, _], [_, b, c, d]) = (ground.mean, ground.second);
     Series {
@@ -202,7 +202,7 @@ impl LinedTunnel {
         self.series(Part::Ring).stress_harmonics(radius)
     }
 
-    /// Total stresses of one part: what was released before the lining came, and what came with it.
+    /// Total stresses of one part: the part released before the lining came, and the part after it.
     fn series(&self, part: Part) -> Series {
         let at_once = self.parts.series_under(Loading::Excavation, part);
         let before = match part {
@@ -242,7 +242,7 @@ fn blend(before: Series, after: Series, weight: f64) -> Series {
 /// Einstein and Schwartz: a lining whose thickness is small beside its radius, plane strain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ThinLining {
-    /// R. The theory does not tell the radii of lining and hole apart; at finite thickness the result depends on it.
+    /// R. The theory does not distinguish the radii of lining and hole; at finite thickness the result depends on the choice.
     pub radius: f64,
     /// Thickness t: As = t, Is = t³/12.
     pub thickness: f64,
@@ -259,12 +259,12 @@ pub struct ThinLining {
 }
 
 impl ThinLining {
-    /// C*: how soft the lining is under uniform pressure, beside the ground.
+    /// C*: compliance of the lining under uniform pressure, relative to the ground.
     pub fn compressibility(&self) -> f64 {
         self.modulus_ratio() * self.radius / self.thickness
     }
 
-    /// F*: how soft the lining is in bending, beside the ground.
+    /// F*: compliance of the lining in bending, relative to the ground.
     pub fn flexibility(&self) -> f64 {
         12.0 * self.modulus_ratio() * (self.radius / self.thickness).powi(3)
     }
@@ -315,7 +315,7 @@ impl ThinLining {
 }
 
 /// Two round layers of lining in ground under the equal pressure s0 (K0 = 1) that come one after the other, each free of
-/// stress and fitted to what it touches (Lamé's rings, [`lame`](crate::analytic::lame)).
+/// stress and fitted to its neighbour (Lamé's rings, [`lame`](crate::analytic::lame)).
 ///
 /// The support of the wall falls from s0 to 0. At (1−λ₁) s0 the first layer comes, at (1−λ₂) s0 the second one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -332,12 +332,12 @@ pub struct TwoLayers {
     pub plane: Plane,
     /// s0: pressure in the ground before the excavation.
     pub stress: f64,
-    /// λ₁ ≤ λ₂: what is released when each layer comes.
+    /// λ₁ ≤ λ₂: the released part when each layer comes.
     pub relaxation: [f64; 2],
 }
 
 impl TwoLayers {
-    /// Pressure on the hole's wall and between the layers, when everything is released.
+    /// Pressure on the hole's wall and between the layers after the full release.
     pub fn pressures(&self) -> [f64; 2] {
         let [bore, between, hole] = self.radii;
         let [before, until] = self.relaxation;
@@ -471,7 +471,7 @@ mod tests {
         }
     }
 
-    /// Divergence of the total stress, and the strain of the displacement against Hooke's law for what has changed.
+    /// Divergence of the total stress, and the strain of the displacement against Hooke's law for the change of stress.
     fn holds(
         stress: impl Fn(Point<2>) -> [f64; 3],
         before: [f64; 3],
@@ -768,7 +768,7 @@ mod tests {
             let exact = even(relaxation);
             let pressure = (1.0 - relaxation) * lining / (lining + ground);
             close(exact.pressure(FRAC_PI_4), pressure, 1e-13);
-            // The wall has moved by what the support that is left does not hold.
+            // The wall has moved by the released part of the support.
             let wall = exact.displacement([5.15, 0.0], Part::Plate)[0];
             close(-wall * ground, 1.0 - pressure, 1e-13);
         }
@@ -822,7 +822,7 @@ mod tests {
         );
         close(between, 0.0, 0.0);
 
-        // Between: walls move alike since the second layer came, and the ground has moved by what nothing holds.
+        // Between: walls move alike since the second layer came, and the ground has moved by the unsupported part.
         let [outside, between] = layers(0.6).pressures();
         let ring = |inner_pressure, outer_pressure| ThickRing {
             inner: 4.9,

@@ -19,7 +19,7 @@
 //! ```
 //!
 //! Slip: the surface under p_b as a shear traction has the slope ∓x/(2R) inside b and ∓(x − √(x²−b²))/(2R) beyond, the factors
-//! of a sum of p_b above add up to zero, and so the body that feels q is displaced against the other by
+//! of a sum of p_b above add up to zero, and so the body loaded by q is displaced against the other by
 //!
 //! ```text
 //!   s(x) = (μ/R) Σ factor · F_b(x)     F_b(x) = ½ [|x| √(x²−b²) − b² arcosh(|x|/b)] where |x| > b, else 0
@@ -29,7 +29,7 @@
 //! ∫ √(a²−x²) arcosh(x/b) dx from b to a = (π/4) [a² ln(a/b) − (a²−b²)/2], with k = c²/a²,
 //!
 //! ```text
-//!   W = μ²P²/(2πE*) · [1 − k² + 2k ln k] on the first way, twice that of k = c′²/a² on each later one
+//!   W = μ²P²/(2πE*) · [1 − k² + 2k ln k] on the first branch, twice that of k = c′²/a² on each later one
 //! ```
 //!
 //! Stress below the shear traction q0 √(1−x²/a²) along +x (Johnson, section 7.1): by the line force, σz and τxz are the τxz and
@@ -82,7 +82,7 @@ fn similar(normal: HalfPlane, half_width: f64) -> HalfPlane {
     }
 }
 
-/// Which way the tangential force goes.
+/// Branch of the tangential force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Way {
     /// From zero towards Q*, for the first time.
@@ -102,9 +102,9 @@ pub struct Cycle {
     pub friction: f64,
     /// Largest tangential force Q*, 0 ≤ Q* ≤ μP.
     pub largest: f64,
-    /// Tangential force Q now, −Q* ≤ Q ≤ Q*, not negative on the first way.
+    /// Present tangential force Q, −Q* ≤ Q ≤ Q*, not negative on the first branch.
     pub tangential: f64,
-    /// Which way it goes.
+    /// Its branch.
     pub way: Way,
 }
 
@@ -119,7 +119,7 @@ impl Cycle {
         }
     }
 
-    /// Half-width of the zone that has not slipped since the force last turned: c on the first way, then c′.
+    /// Half-width of the zone that has not slipped since the force last turned: c on the first branch, then c′.
     pub fn stick_half_width(&self) -> f64 {
         self.normal.a * self.stuck().sqrt()
     }
@@ -147,7 +147,7 @@ impl Cycle {
         self.friction * parts.sum::<f64>()
     }
 
-    /// Stress [σx, σz, τxz] at (x, z), z ≥ 0, of the shear traction alone, on the body that feels it along +x.
+    /// Stress [σx, σz, τxz] at (x, z), z ≥ 0, of the shear traction alone, in the body loaded by it along +x.
     ///
     /// The other body, mirrored so that its z points inward too, has minus this. Plane strain and plane stress alike.
     pub fn stress(&self, x: f64, z: f64) -> [f64; 3] {
@@ -157,7 +157,7 @@ impl Cycle {
         })
     }
 
-    /// Tangential displacement, at |x| ≤ a of the surface, of the body that feels q along +x, relative to the other.
+    /// Tangential displacement, at |x| ≤ a of the surface, of the body loaded by q along +x, relative to the other.
     ///
     /// Unit: length. It is zero where the bodies have always stuck.
     pub fn slip(&self, x: f64, contact_modulus: f64) -> f64 {
@@ -314,7 +314,7 @@ mod tests {
                 assert!(x.abs() <= c || (q - direction * bound).abs() < 1e-14);
             }
         }
-        // at a turning point both ways tell the same, and the end of a cycle is its beginning
+        // at a turning point both branches agree, and the end of a cycle equals its beginning
         let same = [
             [(0.6, Way::First), (0.6, Way::Falling)],
             [(-0.6, Way::Falling), (-0.6, Way::Rising)],
@@ -415,7 +415,7 @@ mod tests {
 
     #[test]
     fn the_stress_of_the_shear_is_a_superposition_of_line_forces() {
-        // a tangential force q ds at (t, 0) gives the radial stress −2q (x−t)/(π r²) and nothing else
+        // a tangential force q ds at (t, 0) gives the radial stress −2q (x−t)/(π r²) only
         let field = cycle(-0.2, Way::Falling);
         for [x, z] in POINTS {
             for (i, value) in field.stress(x, z).into_iter().enumerate() {

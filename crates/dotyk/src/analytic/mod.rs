@@ -1,4 +1,4 @@
-//! Closed-form solutions: what computed results are compared with.
+//! Closed-form solutions, with which computed results are compared.
 //!
 //! Each file states author, year and source. Units are any consistent ones.
 //! Signs: tensile stress is positive, pressure is positive in compression, lengths along a normal are
@@ -16,7 +16,7 @@ pub mod ring;
 pub mod scalar;
 pub mod structures;
 
-/// What happens across the thickness of a plane body.
+/// The assumption across the thickness of a plane body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Plane {
     /// No strain across the thickness.
@@ -25,8 +25,8 @@ pub enum Plane {
     Stress,
 }
 
-/// Section forces of a lining, a beam or an arch. N is positive in compression; the signs of V and M are said where they
-/// come from.
+/// Section forces of a lining, a beam or an arch. N is positive in compression; the signs of V and M are stated at each
+/// source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SectionForces {
     /// Normal force N.

@@ -25,7 +25,7 @@ pub fn circular_pressure(force: f64, a: f64, r: f64) -> f64 {
     force / (2.0 * PI * a * (a * a - r * r).sqrt())
 }
 
-/// How deep a circular punch sinks, P/(2aE*).
+/// Sinking of a circular punch, P/(2aE*).
 pub fn circular_sinking(force: f64, a: f64, contact_modulus: f64) -> f64 {
     force / (2.0 * a * contact_modulus)
 }

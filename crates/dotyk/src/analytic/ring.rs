@@ -27,7 +27,7 @@
 use crate::analytic::{Material, Plane, solve};
 use crate::geometry::Point;
 
-/// What the interface between ring and plate can bear.
+/// The law of the interface between ring and plate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interface {
     /// No friction.
@@ -152,7 +152,7 @@ impl RingInPlate {
         self.series_under(Loading::FromAfar, part)
     }
 
-    /// The series of one part; that of the plate counts the far field, whose stress is there under both loadings.
+    /// The series of one part; that of the plate includes the far field, whose stress is present under both loadings.
     pub(super) fn series_under(&self, loading: Loading, part: Part) -> Series {
         let [ring_log, ring_square, plate_log] = self.solve_mean(loading);
         let [ra, rb, rc, rd, pc, pd] = self.solve_second(loading);
@@ -239,7 +239,7 @@ impl RingInPlate {
     }
 }
 
-/// What displacements count from.
+/// The reference state of displacements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Loading {
     /// The ring fills the hole, then the plate is compressed: the far field moves the interface, too.
@@ -249,7 +249,7 @@ pub(super) enum Loading {
 }
 
 impl Loading {
-    /// The part of the far field's displacement that the interface takes part in.
+    /// The part of the far field's displacement that the interface follows.
     fn moves(self) -> f64 {
         match self {
             Self::FromAfar => 1.0,

@@ -1,8 +1,8 @@
-//! Beams, rings, arches, bolts and joints: what structures do by statics and the theory of bars.
+//! Beams, rings, arches, bolts and joints by statics and the theory of bars.
 //!
-//! **Beam on springs** (M. Hetényi, Beams on Elastic Foundation, 1946): EI w'''' + k w = 0 but at the force P, which acts
+//! **Beam on springs** (M. Hetényi, Beams on Elastic Foundation, 1946): EI w'''' + k w = 0 except at the force P, which acts
 //! along w > 0. Solutions are waves e^{−βs}(A cos βs + B sin βs), β⁴ = k/(4EI); the infinite beam has A = B = Pβ/(2k).
-//! A beam with free ends carries, from either end, waves more that make M and V vanish there.
+//! A beam with free ends has additional waves from either end, such that M and V vanish there.
 //! M = −EI w'' is positive where the side away from the force is in tension, V = M'.
 //!
 //! **Pinched ring** (S. Timoshenko, Strength of Materials II, 1941): a thin ring of radius R between two opposite forces F.
@@ -156,12 +156,12 @@ impl PinchedRing {
         }
     }
 
-    /// How much the diameter between the forces becomes shorter: (π² − 8)/(4π) FR³/EI, bending alone.
+    /// Shortening of the diameter between the forces: (π² − 8)/(4π) FR³/EI, bending alone.
     pub fn shortening(&self) -> f64 {
         (PI * PI - 8.0) / (4.0 * PI) * self.scale()
     }
 
-    /// How much the diameter across becomes longer: (4 − π)/(2π) FR³/EI.
+    /// Lengthening of the diameter across: (4 − π)/(2π) FR³/EI.
     pub fn widening(&self) -> f64 {
         (4.0 - PI) / (2.0 * PI) * self.scale()
     }
@@ -242,7 +242,7 @@ fn moment(at: Point<2>, pole: Point<2>, force: [f64; 2]) -> f64 {
     (at[0] - pole[0]) * force[1] - (at[1] - pole[1]) * force[0]
 }
 
-/// A bolt tied along its length to the ground by a bond that gives way in proportion to the slip.
+/// A bolt tied along its length to the ground by a bond with a force proportional to the slip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GroutedBolt {
     /// Axial stiffness EA.
@@ -265,7 +265,7 @@ impl GroutedBolt {
         force * ((self.length - x) / l).sinh() / (self.length / l).sinh()
     }
 
-    /// How far the head comes out: F ℓ/(EA) coth(L/ℓ).
+    /// Displacement of the head: F ℓ/(EA) coth(L/ℓ).
     pub fn pull_out(&self, force: f64) -> f64 {
         let l = self.transfer_length();
         force * l / (self.stiffness * (self.length / l).tanh())
@@ -300,7 +300,7 @@ pub struct BoltedJoint {
 }
 
 impl BoltedJoint {
-    /// Φ = k_b/(k_b + k_p): what of the load the bolt takes while the plates touch.
+    /// Φ = k_b/(k_b + k_p): share of the load that the bolt takes while the plates touch.
     pub fn load_factor(&self) -> f64 {
         self.bolt / (self.bolt + self.plates)
     }
@@ -336,7 +336,7 @@ impl SegmentJoint {
         normal * self.height / 6.0
     }
 
-    /// Height of the face that is in contact under N > 0 and M; NaN from |M| = N h/2 on, which no face bears.
+    /// Height of the face in contact under N > 0 and M; NaN from |M| = N h/2 on, which no face can bear.
     pub fn contact_height(&self, normal: f64, moment: f64) -> f64 {
         let eccentricity = moment.abs() / normal;
         if moment.abs() <= self.opening_moment(normal) {
@@ -641,7 +641,7 @@ mod tests {
             let rotation = joint.rotation(normal, moment);
             close(joint.moment(normal, rotation), moment, 1e-14);
             close(joint.stiffness(normal, moment) * rotation, moment, 1e-15);
-            // Zones of depth h: stress E φ/h times the distance from where it vanishes, over what is in contact.
+            // Zones of depth h: stress E φ/h times the distance from its zero, over the face in contact.
             let slope = 30_000.0 * rotation.abs() / 0.3;
             let contact = joint.contact_height(normal, moment);
             let least = if contact < 0.3 {

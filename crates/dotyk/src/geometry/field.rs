@@ -1,8 +1,8 @@
 //! Numbers that may depend on place and time.
 //!
-//! Most fields are evaluated point by point. A *sampled* field is asked for many points at once by whoever can only answer so, such
-//! as a program in another language: before a loop over points its values there are [prepared](Field::prepare), and found again
-//! to the last bit of the coordinates.
+//! Most fields are evaluated point by point. A *sampled* field is evaluated at many points at once, for sources that can only answer
+//! so, such as a program in another language: before a loop over points its values there are [prepared](Field::prepare), and looked
+//! up by the bits of the coordinates.
 
 use crate::geometry::{Point, padded};
 use std::collections::{HashMap, HashSet};
@@ -12,17 +12,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 type Function = dyn Fn([f64; 3], f64) -> f64 + Send + Sync;
 
-/// Answers with the values of `size` components at some points and a time, point by point, (points · size,); of another length
-/// where it has none.
+/// Returns the values of `size` components at some points and a time, point by point, (points · size,); another length means no
+/// answer.
 pub type Sampler = dyn Fn(&[[f64; 3]], f64) -> Vec<f64> + Send + Sync;
 
 /// Values at one time, by the bits of the points.
 type Values = HashMap<[u64; 3], Box<[f64]>>;
 
-/// So many points are remembered beyond those of the present time.
+/// Most points that are remembered beyond those of the present time.
 const REMEMBERED: usize = 1 << 20;
 
-/// A sampler and what it has answered, the latest time last.
+/// A sampler and its answers, the latest time last.
 struct Samples {
     size: usize,
     sampler: Box<Sampler>,
@@ -34,7 +34,7 @@ fn bits(point: &[f64; 3]) -> [u64; 3] {
 }
 
 impl Samples {
-    /// Asks for those of the points that have no answer yet, and does something with all answers at that time.
+    /// Samples those of the points that have no answer yet, and calls `then` with all answers at that time.
     fn with<T>(&self, points: &[[f64; 3]], time: f64, then: impl FnOnce(&Values) -> T) -> T {
         let mut answers = self.answers.lock().unwrap_or_else(PoisonError::into_inner);
         let place = answers
@@ -65,12 +65,12 @@ impl Samples {
         then(values)
     }
 
-    /// Asks for those of the points that have no answer yet.
+    /// Samples those of the points that have no answer yet.
     fn prepare(&self, points: &[[f64; 3]], time: f64) {
         self.with(points, time, |_| ());
     }
 
-    /// A component at a point; not a number where there is no answer.
+    /// A component at a point; NaN without an answer.
     fn at(&self, component: usize, point: [f64; 3], time: f64) -> f64 {
         self.with(&[point], time, |values| {
             let value = values.get(&bits(&point)).and_then(|own| own.get(component));
@@ -84,7 +84,7 @@ impl Samples {
 pub struct Field {
     constant: f64,
     function: Option<Arc<Function>>,
-    /// What of it is sampled.
+    /// Its sampled parts.
     samples: Vec<Arc<Samples>>,
     text: String,
 }
@@ -110,7 +110,7 @@ impl Field {
         }
     }
 
-    /// The components of what a sampler answers, `size` of them, which are asked for together.
+    /// The `size` components of a sampler, which are sampled together.
     pub fn sampled(text: &str, size: usize, sampler: Box<Sampler>) -> Vec<Self> {
         let samples = Arc::new(Samples {
             size,
@@ -131,7 +131,7 @@ impl Field {
         (0..size).map(component).collect()
     }
 
-    /// A function of others, which are asked for together with it.
+    /// A function of other fields, which are sampled together with it.
     pub(crate) fn of<const N: usize>(
         text: &str,
         others: [&Self; N],
@@ -144,7 +144,7 @@ impl Field {
         }
     }
 
-    /// Asks for the values of sampled fields at all points of a loop at once. The others cost nothing.
+    /// Samples the values of sampled fields at all points of a loop at once. Other fields cost nothing.
     pub(crate) fn prepare<'f, const D: usize>(
         fields: impl IntoIterator<Item = &'f Self>,
         points: impl IntoIterator<Item = Point<D>>,
@@ -158,7 +158,7 @@ impl Field {
         }
     }
 
-    /// It is asked for many points at once.
+    /// It is sampled at many points at once.
     pub(crate) fn is_sampled(&self) -> bool {
         !self.samples.is_empty()
     }
@@ -281,7 +281,7 @@ mod tests {
         assert_eq!(fields[1].at([1.0, 2.0], 0.5), 2.0);
         assert_eq!(CALLS.load(Ordering::Relaxed), 1);
         assert_eq!(fields[1].to_string(), "f[1]");
-        // at another time, or at a place that nobody prepared, it is asked again; what it once said it is not asked twice
+        // at another time, or at an unprepared place, it is sampled again; known values are not sampled twice
         assert_eq!(fields[0].at([1.0, 2.0], 1.0), 2.0);
         assert_eq!(fields[0].at([9.0, 2.0], 1.0), 10.0);
         assert_eq!(fields[0].at([3.0, 4.0], 0.5), 3.5);

@@ -55,7 +55,7 @@ pub fn unit<const D: usize>(a: Point<D>) -> Option<Point<D>> {
     (length > 0.0 && length.is_finite()).then(|| a.map(|c| c / length))
 }
 
-/// The first three components, missing ones zero: what files with three components want.
+/// The first three components, missing ones zero, for files with three components.
 pub fn padded<const D: usize>(a: Point<D>) -> [f64; 3] {
     std::array::from_fn(|i| if i < D { a[i] } else { 0.0 })
 }
@@ -73,19 +73,19 @@ pub fn bounding_box<const D: usize>(points: &[Point<D>]) -> (Point<D>, Point<D>)
     (low, high)
 }
 
-/// When Newton's steps to a place on a facet or in a cell have come to an end.
+/// The end of Newton's steps to a place on a facet or in a cell.
 ///
-/// Rounding of coordinates that are large beside the facet shows in every step, so that no fixed number tells: steps end
-/// where they are nothing beside the place, and near it as soon as they no longer fall.
+/// Coordinates that are large beside the facet round every step, so that no fixed limit is possible: steps end where they are
+/// negligible beside the place, and near it as soon as they no longer decrease.
 pub(crate) struct Settling {
     before: f64,
 }
 
 impl Settling {
-    /// Steps below this part of a place are nothing.
+    /// Steps below this part of a place are negligible.
     const NOTHING: f64 = 1e-13;
 
-    /// Steps that no longer fall are rounding below this part; above, Newton's method may still find its way.
+    /// Steps that no longer decrease are rounding below this part; above it Newton's method may still converge.
     const NEAR: f64 = 1e-7;
 
     pub fn new() -> Self {

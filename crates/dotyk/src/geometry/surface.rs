@@ -1,6 +1,6 @@
 //! Analytic surfaces: planes, circles or spheres, cylinders and cones, with their closest points and intersections with lines.
 //!
-//! A surface knows no inside: whoever uses it knows on which side of it the material lies.
+//! A surface has no inside: its user knows on which side of it the material lies.
 //!
 //! A cone with the apex a, the axis d and half the angle β: with h = (x − a)·d along the axis and ρ across it
 //!
@@ -96,7 +96,7 @@ impl<const D: usize> Surface<D> {
         }
     }
 
-    /// The point of the surface nearest to a point; the point itself where there is no normal.
+    /// The point of the surface nearest to a point; the point itself if there is no normal.
     pub fn closest(&self, point: Point<D>) -> Point<D> {
         match self.normal(point) {
             Some(normal) => add_scaled(point, -self.distance(point), normal),
@@ -139,7 +139,7 @@ impl<const D: usize> Surface<D> {
 fn round<const D: usize>(from: Point<D>, direction: Point<D>, radius: f64) -> Vec<f64> {
     let half = -dot(from, direction);
     let foot = add_scaled(from, half, direction);
-    // (r − |foot|)(r + |foot|): the difference of squares would drown a shallow sagitta
+    // (r − |foot|)(r + |foot|): the difference of squares would lose a shallow sagitta
     let rest = norm(foot);
     let square = (radius - rest) * (radius + rest);
     if square < 0.0 {
@@ -186,7 +186,7 @@ fn through_cone<const D: usize>(
     hits
 }
 
-/// What of a vector is perpendicular to a unit vector.
+/// The part of a vector perpendicular to a unit vector.
 fn across<const D: usize>(vector: Point<D>, axis: Point<D>) -> Point<D> {
     add_scaled(vector, -dot(vector, axis), axis)
 }
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_point_just_off_a_large_circle_keeps_its_small_distance() {
-        // Beside a radius of 1e6 a distance of 1e-6 has lost most digits to rounding of the coordinates, but no more.
+        // With a radius of 1e6 a distance of 1e-6 loses most digits to rounding of the coordinates, but not all.
         let circle = Surface::Sphere {
             center: [0.0, 0.0],
             radius: 1e6,
@@ -268,10 +268,10 @@ mod tests {
                     met += 1;
                     let hit = add_scaled(x, s, direction);
                     assert!((angle(hit) - half_angle).abs() < 1e-11, "{hit:?}");
-                    // no point of the surface beside it is nearer than the closest one
+                    // no neighbouring point of the surface is nearer than the closest one
                     assert!(distance(x, hit) > distance(x, closest) - 1e-12);
                 }
-                // outside the angle is larger
+                // outside the angle is larger than that of the cone
                 let outside = angle(x) > half_angle;
                 assert_eq!(cone.distance(x) > 0.0, outside, "{x:?}");
             }

@@ -1,4 +1,4 @@
-//! Things that belong together, found pair by pair.
+//! Groups of connected items, found pair by pair.
 
 /// Groups of the numbers below n; the smallest member of a group stands for it.
 #[derive(Debug, Clone)]

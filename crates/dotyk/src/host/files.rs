@@ -1,18 +1,18 @@
-//! Files that a case names, which may come from a stranger: nothing that has no end is read, and nothing that nobody writes
-//! is waited for.
+//! Files that a case names, which may come from a stranger: endless files are not read, and pipes without a writer are not
+//! waited for.
 
 use crate::host::memory::{free_memory, told};
 use std::fs::{File, metadata};
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-/// Most bytes of a case or of its references: what is read of a list takes a hundred times as much.
+/// Most bytes of a case or of its references: the data read from a list take a hundred times as much memory.
 const MOST_OF_TEXT: u64 = 20_000_000;
 
 /// Where a system keeps the streams that a process was given, standard input among them.
 const STREAMS: &str = "/dev";
 
-/// The bytes of a file of data, which must leave room for what is made of them.
+/// The bytes of a file of data, which must leave room for the data made of them.
 ///
 /// Errors: why it is not read, in words.
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, String> {
@@ -21,7 +21,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, String> {
 
 /// A text, which may come from a stream that the process was given.
 ///
-/// Errors: as [`read`]; what is not UTF-8.
+/// Errors: as [`read`]; a text that is not UTF-8.
 pub(crate) fn read_text(path: &Path) -> Result<String, String> {
     let most = free_memory().map_or(MOST_OF_TEXT, |free| MOST_OF_TEXT.min(free / 2));
     let bytes = bytes(path, most, path.starts_with(STREAMS))?;

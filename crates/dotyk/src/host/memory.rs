@@ -10,7 +10,7 @@
 use crate::host::threads::started;
 use std::fs::read_to_string;
 
-/// The third cache of a processor that does not tell.
+/// Size of the third cache where the processor does not report it.
 const CACHE: u64 = 32 << 20;
 
 /// Bytes that this process may still take: what the system says is available, or less where a control group or a limit of the
@@ -45,7 +45,7 @@ pub(crate) fn told(bytes: u64) -> String {
     }
 }
 
-/// What limits leave of the address space; `None` where there are none.
+/// The part of the address space within its limits; `None` without limits.
 pub(super) fn address_space() -> Option<u64> {
     let limits = read_to_string("/proc/self/limits").ok()?;
     let status = read_to_string("/proc/self/status").ok()?;

@@ -1,4 +1,4 @@
-//! What the system gives to this process: memory, threads, and the bytes of files that a case names.
+//! Resources of this process: memory, threads, and the bytes of files that a case names.
 
 mod files;
 mod memory;

@@ -1,23 +1,23 @@
-//! How many threads there may be.
+//! Number of threads.
 
 use crate::host::memory::{address_space, of_products, told};
 use rayon::ThreadPoolBuilder;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::available_parallelism;
 
-/// Most threads that may be asked for.
+/// Most threads that may be requested.
 const MOST: usize = 1024;
 
-/// What the allocator reserves for a thread at most, two of its heaps of 64 MB while it aligns the first, and a stack.
+/// Most bytes that the allocator reserves for a thread: two of its heaps of 64 MB while it aligns the first, and a stack.
 const OF_ALLOCATOR: u64 = 136 << 20;
 
-/// What a small model takes beside.
+/// Bytes of a small model besides.
 const OF_MODEL: u64 = 32 << 20;
 
-/// A pool of that many threads, to be built; without a number as many as there are processors, or room for where the address
-/// space is limited.
+/// A pool of that many threads, to be built; without a number as many as there are processors, or as fit a limited address
+/// space.
 ///
-/// Errors: more threads than anybody has processors for; no room for them, in words.
+/// Errors: more threads than any machine has processors; too little room for them, in words.
 pub fn threads(wanted: Option<usize>) -> Result<ThreadPoolBuilder, String> {
     if let Some(wanted) = wanted.filter(|&wanted| wanted > MOST) {
         return Err(format!("{wanted} threads are too many, at most {MOST}"));
@@ -44,10 +44,10 @@ pub fn threads(wanted: Option<usize>) -> Result<ThreadPoolBuilder, String> {
     Ok(pool.num_threads(count))
 }
 
-/// Threads of the last pool under a limit of the address space; those of rayon's own are not asked for, which would start them.
+/// Threads of the last pool under a limit of the address space; rayon's own pool is not queried, because that would start it.
 static STARTED: AtomicU64 = AtomicU64::new(0);
 
-/// Threads that have reserved, or will, what is not to be counted as free where the address space is limited.
+/// Threads whose reservations, present or future, do not count as free where the address space is limited.
 pub(super) fn started() -> u64 {
     STARTED.load(Ordering::Relaxed)
 }
@@ -57,7 +57,7 @@ fn of_thread() -> u64 {
     of_products() + OF_ALLOCATOR
 }
 
-/// How many threads fit an address space, beside the one that asks.
+/// Number of threads that fit an address space, besides the calling one.
 fn fitting(left: u64) -> usize {
     let left = left.saturating_sub(OF_MODEL + of_products());
     usize::try_from(left / of_thread()).unwrap_or(MOST)

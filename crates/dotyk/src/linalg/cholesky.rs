@@ -38,18 +38,18 @@ const NONE: u32 = u32::MAX;
 /// Right-hand sides solved together by one task: enough to reuse each entry of L, few enough for the cache.
 const COLUMNS_PER_TASK: usize = 16;
 
-/// Parts of a large kernel that threads share, whatever their number, and operations below which nothing is gained.
+/// Parts of a large kernel that threads share, whatever their number, and operations below which sharing does not pay.
 const SHARES: usize = 4;
 const WORTH_SHARING: f64 = 3e9;
 
-/// Pivots below this part of their diagonal entry are looked at more closely, for the price of half a solution.
+/// Pivots below this part of their diagonal entry are checked by their energy, for the price of half a solution.
 const SUSPICIOUS_PIVOT: f64 = 1e-4;
 
-/// Smallest relative energy uᵀAu / Σ aᵢᵢuᵢ² that is told from zero. Rounding leaves mechanisms below 1e-16 (the half unit
-/// of rounding) at every size tried, up to 161 200 dofs; a sound beam, one cell thick and 5000 long, is at 2.5e-15.
+/// Smallest relative energy uᵀAu / Σ aᵢᵢuᵢ² that counts as not zero. Mechanisms are below 1e-16 (the half unit of rounding)
+/// at every size tried, up to 161 200 dofs; a sound beam, one cell thick and 5000 long, is at 2.5e-15.
 const SMALLEST_ENERGY: f64 = 1e-15;
 
-/// What is known of a factorisation before the values: elimination order, pattern of L, places of the entries of A.
+/// Symbolic part of a factorisation: elimination order, pattern of L, places of the entries of A.
 #[derive(Debug)]
 pub struct SymbolicCholesky {
     structure: Arc<Structure>,
@@ -288,7 +288,7 @@ fn transposed(pattern: &Pattern, source: &[u32]) -> (Pattern, Vec<u32>) {
     (pattern, moved)
 }
 
-/// Supernodes of the factor; none when its entries cannot be counted.
+/// Supernodes of the factor; `None` if its entries cannot be counted.
 fn supernodes(upper: &Pattern) -> Option<SymbolicSupernodalCholesky<u32>> {
     let n = upper.columns();
     let (mut tree, mut counts) = (vec![0i32; n], vec![0u32; n]);
@@ -633,7 +633,7 @@ mod tests {
     #[test]
     fn the_trailing_factor_is_that_of_the_schur_complement() {
         let (matrix, order, edge) = clamped(8, 7);
-        // Blocks that begin within a supernode, a single dof, the whole matrix, and none.
+        // Blocks that begin within a supernode, a single dof, the whole matrix, and an empty block.
         for trailing in [edge, edge - 1, edge + 5, 1, order.len(), 0] {
             let factor = Cholesky::factor(&matrix, &order, trailing).unwrap();
             let found = factor.trailing_factor();

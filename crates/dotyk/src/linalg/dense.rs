@@ -169,7 +169,7 @@ pub fn symmetric_eigen(a: &Mat<f64>) -> Result<(Vec<f64>, Mat<f64>), LinalgError
     Ok(((0..n).map(|i| values[i]).collect(), vectors))
 }
 
-/// A = U diag(s) Vᵀ with s descending; U and V as wide as asked for.
+/// A = U diag(s) Vᵀ with s descending; U and V as wide as requested.
 pub struct Spectrum {
     /// U.
     pub left: Mat<f64>,
@@ -284,7 +284,7 @@ pub fn least_squares(a: &Mat<f64>, b: &Mat<f64>, tolerance: f64) -> Result<Mat<f
 /// ascending, by Cholesky factorisation with diagonal pivoting.
 ///
 /// The matrix is scaled to a unit diagonal first, so rows of different units are treated alike: a row is dependent when
-/// the part of it that the earlier pivots do not explain is at most `tolerance` (of its diagonal entry). Values of
+/// the part of it that is independent of the earlier pivots is at most `tolerance` (of its diagonal entry). Values of
 /// `tolerance` below n·2⁻⁵² act as n·2⁻⁵². Only the lower triangle is read.
 ///
 /// Source: N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed. (2002), section 10.3.
@@ -360,7 +360,7 @@ impl Lu {
         Self::with_pivots(a, n as f64 * f64::EPSILON * largest)
     }
 
-    /// The same of a matrix whose small pivots are what they are, as where a barrier adds its own size to each diagonal entry.
+    /// The same for a matrix whose small pivots are legitimate, for example because a barrier adds its own size to each diagonal entry.
     ///
     /// Errors: as those of [`Self::new`], but only a pivot that is zero is refused.
     pub fn graded(a: Mat<f64>) -> Result<Self, LinalgError> {

@@ -1,7 +1,7 @@
-//! C D Cᵀ + shift · I of many sparse columns, factored again and again for other weights D, diagonal or in small blocks.
+//! C D Cᵀ + shift · I of many sparse columns, factored repeatedly with different weights D, diagonal or in small blocks.
 //!
-//! Entry (i, j) is not zero where some column, or some block of columns, has both: for the balance of bodies that is where
-//! they touch. The pattern is ordered and analysed once.
+//! Entry (i, j) is not zero where some column, or some block of columns, has both: in the balance of bodies, where these touch.
+//! The pattern is ordered and analysed once.
 
 use crate::linalg::{
     Cholesky, Graph, LinalgError, SparseVector, SymbolicCholesky, SymmetricMatrix,
@@ -15,8 +15,8 @@ pub struct WeightedGram {
     blocks: Vec<Range<usize>>,
     /// The pattern, with zeros.
     pattern: SymmetricMatrix,
-    /// Where the products of two entries belong among its values: for each entry of a column those with the entries up to it
-    /// of every column of its block.
+    /// Places of the products of two entries among its values: for each entry of a column those with the entries up to it of
+    /// every column of its block.
     places: Vec<u32>,
     analysis: SymbolicCholesky,
 }
@@ -82,7 +82,7 @@ impl WeightedGram {
     }
 }
 
-/// Tells (a, b), i, j ≤ i and C_ia C_jb of all columns a, b of each block, always in the same order.
+/// Calls back with (a, b), i, j ≤ i and C_ia C_jb of all columns a, b of each block, always in the same order.
 fn products(
     columns: &[SparseVector],
     blocks: &[Range<usize>],

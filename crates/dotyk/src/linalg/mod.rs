@@ -3,8 +3,8 @@
 //! A body's stiffness is gathered from its cell matrices ([`assemble_blocks`] on a [`Graph`]), its nodes are
 //! ordered ([`fill_reducing_order`]), and it is factored once ([`SymbolicCholesky`], [`Cholesky`]) with the contact dofs
 //! last, so that the trailing block of the factor is the factor of the stiffness seen from the contact.
-//! The dense functions serve the small problems on the contact. Public is what it takes to assemble, factor and condense a
-//! body elsewhere: matrices, orderings, factors and the products of dense matrices; decompositions of dense matrices are not.
+//! The dense functions serve the small problems on the contact. Public are the parts needed to assemble, factor and condense a
+//! body elsewhere: matrices, orderings, factors and the products of dense matrices; not the decompositions of dense matrices.
 //!
 //! Invariant: the same bits for any number of threads. Kernels are sequential; threads take disjoint blocks whose
 //! borders depend on the problem alone. The operators of [`Mat`] (`&a * &b`) choose threads by themselves: use
@@ -40,9 +40,9 @@ pub trait LinearOperator: Send + Sync {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// y = Ax. Shapes: both (len,); what y held before is lost.
+    /// y = Ax. Shapes: both (len,); y is overwritten.
     fn apply(&self, x: &[f64], y: &mut [f64]);
-    /// AX. Shapes: both (len, n). For operators to which many columns at a time cost less than one by one.
+    /// AX. Shapes: both (len, n). For operators for which many columns together are cheaper than one by one.
     fn apply_many(&self, x: &Mat<f64>) -> Mat<f64> {
         let mut y = Mat::zeros(self.len(), x.ncols());
         for j in 0..x.ncols() {

@@ -1,8 +1,8 @@
 //! Elimination orders that keep the Cholesky factor sparse.
 //!
 //! The nodes are ordered, not the dofs: the same fill at a fraction of the time. Approximate minimum degree is as
-//! good as nested dissection for plane meshes and several times faster to compute; in space dissection leaves a third of
-//! its operations where bodies are thick, and more where they are thin.
+//! good as nested dissection for plane meshes and several times faster to compute; in space dissection takes a third of
+//! its operations for thick bodies, and more operations than it for thin ones.
 //! The order is postordered by its elimination tree, which changes no fill but puts the columns of a supernode side
 //! by side, where the factorisation looks for them.
 //!
@@ -19,9 +19,9 @@ use feral_metis::{CscPattern, MetisOptions, metis_order_full};
 
 const NONE: u32 = u32::MAX;
 
-/// Operations by nodes that minimum degree must take for each neighbour of each node before dissection is tried, which
-/// takes as long as some thousand operations on blocks of 3 × 3 for each. Below lie bodies of less than 2000 nodes, plates of
-/// two layers and thin beams, where it would not pay.
+/// Dissection is tried only if minimum degree takes more operations by nodes than this for each neighbour of each node, because
+/// dissection itself takes as long as some thousand operations on blocks of 3 × 3 for each. Bodies of less than 2000 nodes, plates
+/// of two layers and thin beams lie below.
 const WORTH_DISSECTING: f64 = 1000.0;
 
 /// Elimination order of the nodes with `keep`: first those not in `last`, by approximate minimum degree and
@@ -53,7 +53,7 @@ pub fn fill_reducing_order_in_space(graph: &Graph, keep: &[bool], last: &[usize]
     postordered(graph, &order, trailing)
 }
 
-/// The kept nodes by minimum degree, those of `last` behind the others; and their number.
+/// The kept nodes by minimum degree, those of `last` after the others; and their number.
 fn by_minimum_degree(graph: &Graph, keep: &[bool], last: &[usize]) -> (Vec<u32>, usize) {
     let kept: Vec<u32> = (0..graph.nodes() as u32)
         .filter(|&node| keep[node as usize])
@@ -115,7 +115,7 @@ fn minimum_degree(graph: &Graph, nodes: &[u32]) -> Vec<u32> {
     }
 }
 
-/// The nodes in an order by nested dissection of their subgraph; none where its edges cannot be counted.
+/// The nodes in an order by nested dissection of their subgraph; `None` if its edges cannot be counted.
 fn dissected(graph: &Graph, nodes: &[u32]) -> Option<Vec<u32>> {
     let mut nodes = nodes.to_vec();
     nodes.sort_unstable();
@@ -286,7 +286,7 @@ mod tests {
         let order = fill_reducing_order(&graph, &keep, &[0, 3, 8]);
         let expected: usize = columns(&graph, &order).iter().map(|c| c * c).sum();
         assert_eq!(operations(&graph, &as_listed(&order)), expected as f64);
-        // without a node that nothing has eliminated, others have fewer
+        // without an uneliminated node the others have fewer entries
         assert!(operations(&graph, &as_listed(&order[1..])) < expected as f64);
     }
 

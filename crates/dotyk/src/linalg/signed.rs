@@ -5,9 +5,9 @@
 //!   min ‖β‖            over Rβ ≤ b
 //! ```
 //!
-//! The first is solved by an active set: the columns whose weight is positive are held orthogonal; the column along which the
-//! rest falls most enters, and those whose weights would become negative leave. The length of t decides what a step costs, the
-//! number of columns hardly counts. The second is the first with one component more.
+//! The first is solved by an active set: the rest is kept orthogonal to the columns with positive weights; the column along which
+//! the rest decreases most enters, and columns whose weights would become negative leave. The cost of a step depends on the length
+//! of t, and hardly on the number of columns. The second is the first with one more component.
 //!
 //! As described in Lawson & Hanson (1974), Solving least squares problems, chapter 23.
 
@@ -103,7 +103,7 @@ impl<'a> Passive<'a> {
         let mut column = self.columns[index].clone();
         let length = norm(&column);
         let mut upper = vec![0.0; self.basis.len()];
-        // Twice: the second pass removes what rounding left.
+        // Twice: the second pass removes rounding.
         for _ in 0..2 {
             for (upper, q) in upper.iter_mut().zip(&self.basis) {
                 let part = dot(q, &column);
@@ -127,7 +127,7 @@ impl<'a> Passive<'a> {
         true
     }
 
-    /// Keeps some columns: those behind the first that leaves are orthogonalised again.
+    /// Keeps some columns: those after the first that leaves are orthogonalised again.
     fn retain(&mut self, keep: impl Fn(usize) -> bool) {
         let first = self.index.iter().position(|&j| !keep(j));
         let Some(first) = first else { return };
@@ -157,7 +157,7 @@ impl<'a> Passive<'a> {
     }
 }
 
-/// β (q,) of least norm with Σ βⱼ rowsᵢⱼ ≤ boundsᵢ for every i, or `None` when there is none.
+/// β (q,) of least norm with Σ βⱼ rowsᵢⱼ ≤ boundsᵢ for every i, or `None` without such a β.
 ///
 /// Least distance programming: the rest of a non-negative least-squares problem of dimension q + 1.
 pub(crate) fn least_norm_within(rows: &[Vec<f64>], bounds: &[f64], q: usize) -> Option<Vec<f64>> {
@@ -336,7 +336,7 @@ mod tests {
                     *rest -= x * c;
                 }
             }
-            // least squares: what is left is orthogonal to every column that stays
+            // least squares: the rest is orthogonal to every column that stays
             for &j in &kept {
                 assert!(dot(&columns[j], &rest).abs() < 1e-14, "{gone} {j}");
             }

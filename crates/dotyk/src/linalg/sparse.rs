@@ -296,7 +296,7 @@ impl<'a> CellMatrices<'a> {
 
 /// The nodes that share a cell with a node, and the cells at each node.
 ///
-/// A slot is a place in the node lists of all blocks put one after another: it tells the cell and the local node.
+/// A slot is a place in the concatenated node lists of all blocks: it gives the cell and the local node.
 /// Memory: 4 bytes per neighbour and per slot, 16 per node.
 #[derive(Debug, Clone)]
 pub struct Graph {
@@ -508,7 +508,7 @@ impl SymmetricMatrix {
         &self.values
     }
 
-    /// Entry (i, j) of either triangle; zero where none is stored.
+    /// Entry (i, j) of either triangle; zero if it is not stored.
     pub fn get(&self, i: usize, j: usize) -> f64 {
         let (row, column) = (i.max(j), i.min(j));
         let place = self.place(row, column);
@@ -517,7 +517,7 @@ impl SymmetricMatrix {
 
     /// Adds to an entry that is stored; entries above the diagonal are ignored, so that those of a full matrix may be given.
     ///
-    /// Panics where nothing is stored.
+    /// Panics if it is not stored.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         if row < column {
             return;
@@ -689,7 +689,7 @@ fn list_rows<const D: usize>(graph: &Graph, node: usize, rows: &mut [u32]) {
     }
 }
 
-/// Adds what the cells at a node contribute to its D columns.
+/// Adds the contributions of the cells at a node to its D columns.
 fn gather_node<const D: usize>(
     graph: &Graph,
     blocks: &[CellMatrices],

@@ -18,7 +18,7 @@ impl SparseLu {
     /// Factors a (n, n).
     ///
     /// Errors: [`LinalgError::NotFinite`]; [`LinalgError::Singular`] where its pattern leaves a column without pivot. Rounding hides
-    /// a matrix that is singular otherwise: compare what a solution leaves.
+    /// other singular matrices: check the residual of a solution.
     pub fn new(a: &SparseMatrix) -> Result<Self, LinalgError> {
         let n = a.rows();
         let mut entries = Vec::with_capacity(a.nonzeros());

@@ -1,6 +1,6 @@
-//! Kinds of cells: their shape functions, and what meshes, files and quadrature ask of them. Blocks of cells.
+//! Kinds of cells: their shape functions and the data for meshes, files and quadrature. Blocks of cells.
 //!
-//! What a kind is stands in `reference.rs`, as data.
+//! The definition of a kind is in `reference.rs`, as data.
 
 use crate::mesh::basis::Basis;
 use crate::mesh::error::MeshError;
@@ -70,7 +70,7 @@ impl Domain {
         }
     }
 
-    /// By how much reference coordinates lie outside; negative inside.
+    /// Distance of reference coordinates outside; negative inside.
     pub fn outside(self, xi: &[f64]) -> f64 {
         let xi = &xi[..self.dimension()];
         let simplex = |xi: &[f64]| {
@@ -101,7 +101,7 @@ impl CellKind {
         self.data().name
     }
 
-    /// The kind of that name; `None` when there is none.
+    /// The kind of that name; `None` if it is unknown.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
@@ -162,7 +162,7 @@ impl CellKind {
         self.data().nodes
     }
 
-    /// The local nodes between corners, each with what is linear there: corners and their parts, which sum to one.
+    /// The local nodes between corners, each with the weights of linear interpolation: corners and their parts, which sum to one.
     pub(crate) fn between_corners(self) -> impl Iterator<Item = (usize, Vec<(usize, f64)>)> {
         let (corners, linear) = (self.corners(), self.domain().linear());
         (corners..self.nodes()).map(move |node| {
@@ -206,7 +206,7 @@ impl CellKind {
         self.data().stiffness_degree
     }
 
-    /// How far from the centre towards the corners stress is sampled, along each coordinate; zero: at the centre alone.
+    /// Places of stress samples between the centre and the corners, as parts along each coordinate; zero: only at the centre.
     pub(crate) fn sampling(self) -> [f64; 3] {
         self.data().sampling
     }

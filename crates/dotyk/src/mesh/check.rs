@@ -1,6 +1,6 @@
-//! What every mesh must be before anything is computed on it.
+//! Requirements on every mesh before it is used.
 //!
-//! Indices exist, coordinates are finite, no node of a cell repeats, no node is loose, and the Jacobian det ∂x/∂ξ of
+//! Indices exist, coordinates are finite, no cell repeats a node, no node is loose, and the Jacobian det ∂x/∂ξ of
 //! every cell is positive. The Jacobian is sampled at the reference nodes and at the points of the usual quadrature
 //! rules: at the nodes it may vanish (a corner of 180°, a quarter-point cell), inside it may not.
 //! A cell numbered the other way round is turned, which its facets follow.

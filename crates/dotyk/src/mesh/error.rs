@@ -1,9 +1,9 @@
-//! What can be wrong with a mesh: every error names the place, the datum and the way out.
+//! Errors of a mesh: each names the place, the datum and the remedy.
 
 use crate::mesh::OutlinePlace;
 use thiserror::Error;
 
-/// Why there is no mesh, or no such side.
+/// Errors of a mesh or of one of its sides.
 ///
 /// Blocks, cells and nodes are counted from zero, cells within their block.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -170,9 +170,9 @@ pub enum MeshError {
         generator: &'static str,
         /// Key, as in a case file.
         key: &'static str,
-        /// What was given.
+        /// The given value.
         value: String,
-        /// What is needed.
+        /// The requirement.
         need: &'static str,
     },
     /// An outline that cannot be meshed.

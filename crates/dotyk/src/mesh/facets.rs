@@ -1,4 +1,4 @@
-//! Facets: which cells share one, which lie on the boundary, how a side runs, where it looks.
+//! Facets: shared ones, those on the boundary, the order of a side, its normals.
 //!
 //! Conventions: in the plane a facet keeps its cell on the left, so a chain runs with the body on its left and the outward
 //! normal is its tangent turned by −90°; in space its nodes run counter-clockwise seen from outside, and the outward normal is
@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Most corners of a facet of any kind.
 const MAX_CORNERS: usize = 4;
 
-/// What both cells at a facet call it.
+/// A key of a facet that is the same for both of its cells.
 type Key = [u32; MAX_CORNERS];
 
 /// Corner nodes in ascending order, padded with `u32::MAX`: the same for all cells, or facets, on the same corners.
@@ -49,7 +49,7 @@ pub struct FacetTable {
 }
 
 impl FacetTable {
-    /// The facets that have exactly these corner nodes, in any order: none, one on the boundary, two between cells.
+    /// The facets with exactly these corner nodes, in any order: one on the boundary, two between cells, else an empty list.
     pub fn find(&self, corners: &[u32]) -> impl Iterator<Item = Facet> + '_ {
         let key: Key = sorted(corners.iter().copied());
         let start = self.entries.partition_point(|(k, _)| *k < key);
@@ -220,7 +220,7 @@ impl<const D: usize> Mesh<D> {
         boundary
     }
 
-    /// Nodes of a side, each once, in ascending order; `None` when there is no such side.
+    /// Nodes of a side, each once, in ascending order; `None` without such a side.
     pub fn side_nodes(&self, name: &str) -> Option<Vec<u32>> {
         let mut nodes: Vec<u32> = self
             .side(name)?
@@ -264,7 +264,7 @@ impl<const D: usize> Mesh<D> {
         component
     }
 
-    /// Number of parts that [`Self::facet_components`] tells apart.
+    /// Number of parts in [`Self::facet_components`].
     pub fn component_count(&self) -> usize {
         self.facet_components()
             .into_iter()
@@ -293,7 +293,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// Nodes of a side in its order, each once, and whether it is one closed chain: along its chains in the plane, in space
-    /// ascending; `None` when there is no such side.
+    /// ascending; `None` without such a side.
     pub fn side_order(&self, name: &str) -> Option<(Vec<u32>, bool)> {
         let Some(plane) = self.in_plane() else {
             return Some((self.side_nodes(name)?, false));
@@ -305,14 +305,14 @@ impl<const D: usize> Mesh<D> {
         Some((nodes, matches!(&chains[..], [only] if only.cyclic)))
     }
 
-    /// The same mesh as one of the plane, where it is one.
+    /// The same mesh as one of the plane, if it is one.
     pub fn in_plane(&self) -> Option<&Mesh<2>> {
         (self as &dyn Any).downcast_ref()
     }
 }
 
 impl Mesh<2> {
-    /// The facets of a side joined end to end; `None` when there is no such side.
+    /// The facets of a side joined end to end; `None` without such a side.
     ///
     /// Chains end where the side ends and at a node where more than two of its facets meet. They come in the order of
     /// their first facets, open ones first; a cyclic one begins with the smallest of its facets.

@@ -1,4 +1,4 @@
-//! Where a point lies in a mesh: the cell that contains it, or the facet of a side that it lies on.
+//! Location of a point in a mesh: the cell that contains it, or the facet of a side on which it lies.
 
 use crate::geometry::{
     Point, Settling, add_scaled, bounding_box, distance, dot, invert, norm, sub, unit,
@@ -8,13 +8,13 @@ use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, Mesh};
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
 
-/// A point may lie outside a cell by this much in reference coordinates: a polygon's sagitta, not more.
+/// A point may lie outside a cell by this much in reference coordinates: only a polygon's sagitta.
 const OUTSIDE: f64 = 0.1;
 
 /// A point nearer to the border of a cell than this, in reference coordinates, is on it: what Newton's method leaves.
 const WITHIN: f64 = 1e-9;
 
-/// What the value at a place is made of.
+/// Nodes and weights of the value at a place.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Located<const D: usize> {
     /// Index of the block of the cell, or of that behind the facet: its material.
@@ -26,7 +26,7 @@ pub(crate) struct Located<const D: usize> {
     pub shape: Vec<f64>,
     /// Outward unit normal of the side; zero in a cell.
     pub normal: Point<D>,
-    /// How far it lies outside of the cell, in its own coordinates; not positive within.
+    /// Distance outside of the cell, in its own coordinates; not positive within.
     pub outside: f64,
 }
 
@@ -58,7 +58,7 @@ impl<const D: usize> Located<D> {
         }
     }
 
-    /// What has these values at the nodes is here; a node without weight does not count, whatever it has.
+    /// The interpolated value of these nodal values; a node without weight does not count, whatever its value.
     pub fn interpolate<const N: usize>(&self, value: impl Fn(usize) -> [f64; N]) -> [f64; N] {
         let parts = self.nodes.iter().zip(&self.shape);
         parts.fold([0.0; N], |sum, (&node, &n)| match n {
@@ -68,7 +68,7 @@ impl<const D: usize> Located<D> {
     }
 }
 
-/// The place of a point in the cell that contains it; `None` where none does.
+/// The place of a point in the cell that contains it; `None` without such a cell.
 pub(crate) fn locate<const D: usize>(mesh: &Mesh<D>, point: Point<D>) -> Option<Located<D>> {
     locate_all(mesh, &[point]).pop().flatten()
 }
@@ -167,10 +167,10 @@ pub(crate) const SETTLED: f64 = 1e-12;
 /// Step of these differences in ξ: its square, which they neglect, is rounding.
 const DIFFERENCE: f64 = 1e-6;
 
-/// A point may lie beside a side by this fraction of a facet: the sagitta of a polygon, not more.
+/// A point may lie beside a side by this fraction of a facet: only the sagitta of a polygon.
 pub(crate) const BESIDE: f64 = 0.1;
 
-/// A point may lie beyond the end of a side by this fraction of a facet: rounding, not more.
+/// A point may lie beyond the end of a side by this fraction of a facet: only rounding.
 pub(crate) const BEYOND: f64 = 1e-6;
 
 /// The place of a side that is nearest to a point; `None` where the point lies beside.
@@ -227,7 +227,7 @@ fn nearest_on_facet<const D: usize>(
     xi
 }
 
-/// By how much a point lies beyond the end of a side whose nearest place is ξ of a facet; zero elsewhere.
+/// Distance of a point beyond the end of a side whose nearest place is ξ of a facet; zero elsewhere.
 fn beyond_the_end<const D: usize>(
     mesh: &Mesh<D>,
     facets: &[Facet],

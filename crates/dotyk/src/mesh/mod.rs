@@ -1,6 +1,6 @@
 //! Meshes: points, cell blocks, named sides; structured generators, triangles in an outline, and meshes from files.
 //!
-//! A [`Mesh`] is checked when it is made and never changed: what returns a mesh returns another one.
+//! A [`Mesh`] is checked when it is made and never changed: functions that return a mesh return another one.
 //! Indices of points, blocks and cells are counted from zero; a cell is named by its block and its place there.
 //!
 //! Invariants: every coordinate is finite, every node belongs to a cell, the Jacobian of every cell is positive (plane
@@ -61,7 +61,7 @@ pub struct Mesh<const D: usize> {
     points: Vec<Point<D>>,
     blocks: Vec<CellBlock>,
     sides: BTreeMap<String, Vec<Facet>>,
-    /// The curves that facets stand for, where the maker of the mesh knew them.
+    /// The curves behind facets, where the mesh generator knew them.
     curves: BTreeMap<Facet, Surface<D>>,
     found: Found<D>,
 }
@@ -82,8 +82,8 @@ impl<const D: usize> Mesh<D> {
         .checked()
     }
 
-    /// The same cells and sides with every point moved to f(point). Under a reflection the cells are turned. The curves that
-    /// facets stand for are not known any more.
+    /// The same cells and sides with every point moved to f(point). Under a reflection the cells are turned. The curves behind
+    /// facets are lost.
     ///
     /// Errors: as [`Self::new`], where f gives no valid mesh.
     pub fn map_points(mut self, f: impl Fn(Point<D>) -> Point<D>) -> Result<Self, MeshError> {
@@ -94,7 +94,7 @@ impl<const D: usize> Mesh<D> {
         self.checked()
     }
 
-    /// Checks what a mesh must be, turns cells with the facets of sides and curves, sorts the sides.
+    /// Checks the mesh, turns cells with the facets of sides and curves, sorts the sides.
     fn checked(mut self) -> Result<Self, MeshError> {
         self.found = Found::default();
         let turned = check(&self.points, &mut self.blocks)?;
@@ -218,12 +218,12 @@ impl<const D: usize> Mesh<D> {
         quality.max(0.0)
     }
 
-    /// The curve that a facet stands for, where the maker of the mesh knew it and it is not straight.
+    /// The curve behind a facet, if the mesh generator knew it and it is not straight.
     pub fn curve(&self, facet: Facet) -> Option<Surface<D>> {
         self.curves.get(&facet).copied()
     }
 
-    /// The mesh with a surface that the facets of some sides stand for, too.
+    /// The mesh with a surface behind the facets of some sides, too.
     pub(crate) fn with_curve(mut self, sides: &[&str], surface: Surface<D>) -> Self {
         for side in sides {
             let facets = self.sides.get(*side).into_iter().flatten();
@@ -232,7 +232,7 @@ impl<const D: usize> Mesh<D> {
         self
     }
 
-    /// The mesh with curves that facets stand for.
+    /// The mesh with curves behind facets.
     pub(crate) fn with_curves(mut self, curves: BTreeMap<Facet, Surface<D>>) -> Self {
         self.curves = curves;
         self
@@ -243,7 +243,7 @@ impl<const D: usize> Mesh<D> {
         &self.sides
     }
 
-    /// Facets of a side in ascending order; `None` when there is no such side.
+    /// Facets of a side in ascending order; `None` without such a side.
     pub fn side(&self, name: &str) -> Option<&[Facet]> {
         self.sides.get(name).map(Vec::as_slice)
     }
@@ -255,7 +255,7 @@ impl<const D: usize> Mesh<D> {
 
     /// The mesh with one more side: the boundary facets all of whose nodes satisfy `on`. Replaces a side of that name.
     ///
-    /// A side without facets is kept: who uses it knows which name to report.
+    /// A side without facets is kept: its user can report the name.
     pub fn with_side(mut self, name: &str, on: impl Fn(Point<D>) -> bool) -> Self {
         let on: Vec<bool> = self.points.iter().map(|&point| on(point)).collect();
         let mut facets = self.boundary_facets();
@@ -287,7 +287,7 @@ impl<const D: usize> Mesh<D> {
         Ok(self)
     }
 
-    /// The side that some sides of the mesh are together, under the names of all; made where there is none of that name.
+    /// The union of some sides of the mesh, named after all of them; made if it does not exist yet.
     ///
     /// Errors: unknown sides.
     pub fn join_sides(&mut self, sides: &[&str]) -> Result<String, MeshError> {
@@ -348,7 +348,7 @@ impl<const D: usize> Mesh<D> {
         Ok(self)
     }
 
-    /// The error that names a side which is not there, and those which are.
+    /// The error that names a missing side, and the existing ones.
     pub fn unknown_side(&self, side: &str) -> MeshError {
         let names: Vec<&str> = self.side_names().collect();
         MeshError::UnknownSide {

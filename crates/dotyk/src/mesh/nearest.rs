@@ -1,6 +1,6 @@
-//! What is asked of a mesh once for each of many points: the node that is nearest, the cells around it, the extent.
+//! Queries of a mesh for many points: the nearest node, the cells around it, the extent.
 //!
-//! It is found when it is first asked for, for all nodes at once, and kept beside the mesh, which never changes.
+//! The answers are computed on first use, for all nodes at once, and kept with the mesh, which never changes.
 
 use crate::geometry::{Point, bounding_box, distance};
 use crate::mesh::Mesh;
@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 /// A node with its number.
 type Node<const D: usize> = GeomWithData<Point<D>, usize>;
 
-/// What was asked for. It follows from the mesh: a copy begins without, and all are equal.
+/// Cached answers. They follow from the mesh: a copy begins without them, and all caches are equal.
 #[derive(Debug, Default)]
 pub(super) struct Found<const D: usize> {
     nodes: OnceLock<RTree<Node<D>>>,

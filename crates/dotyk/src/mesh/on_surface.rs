@@ -1,4 +1,4 @@
-//! Where a point lies on a side in space: a facet, and the place on it.
+//! Location of a point on a side in space: a facet, and the place on it.
 //!
 //! ```text
 //!   min 1/2 |x(ξ) − p|²   over ξ in the reference facet,      ξ ← ξ + (JᵀJ)⁻¹Jᵀ(p − x(ξ)),  J = ∂x/∂ξ
@@ -6,14 +6,14 @@
 //!
 //! Gauss–Newton steps, each drawn back into the reference facet, on all facets whose box is near enough; the nearest one is
 //! taken. A point may lie beside the side by the sagitta of a polyhedron, and over an edge or a corner between its facets as
-//! well as over a facet; beyond its rim it lies by rounding alone.
+//! well as over a facet; beyond its rim only by rounding.
 
 use crate::geometry::{Point, add_scaled, bounding_box, distance, dot, norm, sub, unit};
 use crate::mesh::locate::{BESIDE, BEYOND, Located, SETTLED};
 use crate::mesh::{CellKind, Facet, MAX_CELL_NODES, Mesh};
 use std::collections::BTreeSet;
 
-/// A corner with less than this weight has no part in a place.
+/// A corner with less than this weight does not count at a place.
 const ABSENT: f64 = 1e-9;
 
 /// A place on a facet.
@@ -21,7 +21,7 @@ struct Place<const D: usize> {
     facet: Facet,
     xi: [f64; 2],
     point: Point<D>,
-    /// From the point that is looked for.
+    /// From the searched point.
     distance: f64,
     /// Of the box of the facet.
     size: f64,
@@ -138,7 +138,7 @@ fn on_rim<const D: usize>(mesh: &Mesh<D>, facets: &[Facet], place: &Place<D>) ->
     rim.any(|edge| present.iter().all(|node| edge.contains(node)))
 }
 
-/// By how much a point lies off a place along the facet.
+/// Distance of a point from a place along the facet.
 fn beyond<const D: usize>(mesh: &Mesh<D>, place: &Place<D>, point: Point<D>) -> f64 {
     let rest = sub(point, place.point);
     let normal = mesh.outward_normal(place.facet, &place.xi);

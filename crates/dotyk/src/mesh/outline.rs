@@ -1,6 +1,6 @@
 //! Triangles of good shape inside an outline of straight lines and circular arcs, with holes and named edges.
 //!
-//! The outer path and the holes are closed and do not touch; which way round they are drawn does not matter. Edges of one
+//! The outer path and the holes are closed and do not touch; their sense does not matter. Edges of one
 //! name form one side. Edges without a name form the side `outline`, those of hole k the side `hole_k`, so that
 //! every facet of the boundary is in exactly one side.
 //!
@@ -41,7 +41,7 @@ impl Outline {
     ///
     /// Errors, each naming the edge: coordinates that are not finite; edges of no length, that do not close, cross or touch;
     /// arcs that do not exist; a hole outside or in another one; sizes that are not positive or exceed the outline; a kind of
-    /// cell that is no triangle; more than two million corners of cells.
+    /// cell that is not a triangle; more than two million corners of cells.
     pub fn build(&self) -> Result<Mesh<2>, MeshError> {
         let curves = Curves::of(self)?;
         let sizes = Sizes {

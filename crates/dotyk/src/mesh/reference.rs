@@ -1,4 +1,4 @@
-//! Reference cells as data: one entry for each kind of cell says everything that is known of it.
+//! Reference cells as data: one complete entry for each kind of cell.
 //!
 //! Conventions: the reference line is [−1, 1], square and cube are its powers, triangle and tetrahedron have a corner at
 //! the origin and one at the end of each unit vector; the prism is triangle times line. Corner nodes come first, then the
@@ -62,7 +62,7 @@ pub enum Domain {
     Prism,
 }
 
-/// What cells of one shape have in common.
+/// Common data of cells of one shape.
 pub(crate) struct DomainData {
     pub dimension: usize,
     pub volume: f64,
@@ -87,7 +87,7 @@ pub(crate) struct CellData {
     pub facets: &'static [(CellKind, &'static [usize])],
     /// Local node at each place of the same cell numbered the other way round.
     pub mirror: &'static [usize],
-    /// Where the sign of the Jacobian is checked beside the nodes: at the points of the usual quadrature rules.
+    /// Points besides the nodes at which the sign of the Jacobian is checked: those of the usual quadrature rules.
     pub interior: &'static [[f64; 3]],
     /// Degree that integrates the stiffness of an undistorted cell exactly, and that of a curved one well.
     pub stiffness_degree: usize,

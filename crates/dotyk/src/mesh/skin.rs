@@ -1,4 +1,4 @@
-//! The outer surface of a body as simplices, wherever its nodes are: which points lie inside of it, and how deep.
+//! The outer surface of a body as simplices, for any positions of its nodes: which points lie inside, and how deep.
 //!
 //! ```text
 //!   φ(p) = ± min over the surface of ‖p − y‖,     negative inside
@@ -18,7 +18,7 @@ use std::collections::BTreeSet;
 /// Simplices whose nearest points lie this near to each other, in parts of their distance and size, meet there.
 const SAME: f64 = 1e-9;
 
-/// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner, and stand for no curve there.
+/// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner, and do not approximate a curve there.
 pub(crate) const SHARP: f64 = 0.866;
 
 /// The outer surface of a mesh, divided into simplices of D corners.
@@ -28,7 +28,7 @@ pub(crate) struct Skin<const D: usize> {
     simplices: Vec<[u32; D]>,
     /// Nodes of the surface, ascending.
     nodes: Vec<u32>,
-    /// What is known at each of these.
+    /// Data of each of these.
     at_nodes: Vec<AtNode>,
     /// The edges of the simplices, each once: the simplices themselves in the plane.
     edges: Vec<[u32; 2]>,
@@ -43,21 +43,22 @@ pub(crate) struct Skin<const D: usize> {
 struct AtNode {
     /// The nodes that share a simplex with it.
     beside: Vec<u32>,
-    /// How far the simplices may be off the curve that they stand for.
+    /// Distance of the simplices from the curve that they approximate.
     bow: Bow,
 }
 
-/// How far a surface may be off the curve that it stands for, lengths.
+/// Distances of a surface from the curve that it approximates, lengths.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Bow {
     /// On either side.
     pub off: f64,
-    /// Beyond it, where the curve is hollow: there chords lie in what may stand beside the body. Those of a round one lie in it.
+    /// Beyond the surface, for a hollow curve: its chords lie outside of the body, where a neighbour may be; those of a round one
+    /// lie inside.
     pub beyond: f64,
 }
 
 impl<const D: usize> Skin<D> {
-    /// Of a mesh: its facets that belong to one cell only.
+    /// The skin of a mesh: its facets that belong to one cell only.
     pub fn of(mesh: &Mesh<D>) -> Self {
         let mut simplices = Vec::new();
         for facet in mesh.boundary_facets() {
@@ -80,7 +81,7 @@ impl<const D: usize> Skin<D> {
         skin
     }
 
-    /// Tells the nodes what is around them. Two simplices that turn by θ stand for a curve of which they are up to hθ/8 off.
+    /// Sets the data of the nodes. Two simplices that turn by θ approximate a curve from which they are up to hθ/8 off.
     fn look_around(&mut self, points: &[Point<D>]) {
         let mut ridges: Vec<([u32; 2], usize)> = Vec::new();
         for (index, simplex) in self.simplices.iter().enumerate() {
@@ -125,7 +126,7 @@ impl<const D: usize> Skin<D> {
         dot(a, b)
     }
 
-    /// How far the surface at its nodes, in their order, may be off the curve that it stands for with the nodes of its mesh at
+    /// Distances of the surface at its nodes, in their order, from the curve that it approximates with the nodes of its mesh at
     /// `points`: that of the body, or of its displacement.
     pub fn bows(&self, points: &[Point<D>]) -> Vec<Bow> {
         let mut bows = vec![Bow::default(); self.nodes.len()];
@@ -158,7 +159,7 @@ impl<const D: usize> Skin<D> {
         &self.edges
     }
 
-    /// Whether a point is no farther than `reach` from where the surface is sharp, with its nodes at `points`.
+    /// Whether a point is within `reach` of a sharp edge of the surface, with its nodes at `points`.
     pub fn is_sharp_at(&self, points: &[Point<D>], x: Point<D>, reach: f64) -> bool {
         let edges = self.sharp.iter();
         let mut edges = edges.map(|ends| ends.map(|node| points[node as usize]));
@@ -173,7 +174,7 @@ impl<const D: usize> Skin<D> {
         }
     }
 
-    /// All that goes on without a sharp edge from the simplices between some nodes, with the nodes of its mesh at `points`.
+    /// The smooth continuation, without a sharp edge, of the simplices between some nodes, with the nodes of its mesh at `points`.
     pub fn going_on_from(&self, nodes: &BTreeSet<u32>, points: &[Point<D>]) -> Surrounding<D> {
         let mut groups = Groups::new(self.simplices.len());
         for (_, both) in &self.ridges {
@@ -200,7 +201,7 @@ impl<const D: usize> Skin<D> {
         &self.nodes
     }
 
-    /// How far the surface at one of its nodes may be off the curve that it stands for.
+    /// Distance of the surface at one of its nodes from the curve that it approximates.
     pub fn bow(&self, node: u32) -> Bow {
         self.at_nodes[self.place(node)].bow
     }
@@ -219,7 +220,7 @@ impl<const D: usize> Skin<D> {
     }
 }
 
-/// How the facets of a kind are divided, by places of their nodes.
+/// Division of the facets of a kind, by places of their nodes.
 fn divided(kind: CellKind) -> &'static [[usize; 3]] {
     match kind {
         CellKind::Line2 => &[[0, 1, 1]],
@@ -253,8 +254,8 @@ fn divided(kind: CellKind) -> &'static [[usize; 3]] {
 pub(crate) struct Surrounding<const D: usize>(RTree<Simplex<D>>);
 
 impl<const D: usize> Surrounding<D> {
-    /// How deep a point lies inside of the surface, negative outside; and the nodes of the simplex that is nearest. `None` where
-    /// the box holds nothing of the surface.
+    /// Depth of a point inside of the surface, negative outside; and the nodes of the nearest simplex. `None` if no part of the surface
+    /// lies in the box.
     pub fn depth(&self, p: Point<D>) -> Option<(f64, [u32; D])> {
         let nearest = self.0.nearest_neighbor(p)?;
         let at = nearest.closest(p);
@@ -271,13 +272,13 @@ impl<const D: usize> Surrounding<D> {
         Some((if outside { -length } else { length }, nearest.nodes))
     }
 
-    /// The distance of a point from the surface; infinite where there is none.
+    /// The distance of a point from the surface; infinite for an empty surface.
     pub fn distance(&self, p: Point<D>) -> f64 {
         let nearest = self.0.nearest_neighbor(p);
         nearest.map_or(f64::INFINITY, |simplex| distance(p, simplex.closest(p)))
     }
 
-    /// Where the way from one point straight to another passes through the surface, in parts of it, ascending.
+    /// Crossings of the segment from one point to another with the surface, as parts of the segment, ascending.
     pub fn crossings(&self, way: [Point<D>; 2]) -> Vec<f64> {
         let (low, high) = bounding_box(&way);
         let near = AABB::from_corners(low, high);
@@ -306,7 +307,7 @@ impl<const D: usize> Simplex<D> {
         corners.fold([0.0; D], |sum, &c| add_scaled(sum, share, c))
     }
 
-    /// Unit normal outwards; zero where it has none.
+    /// Unit normal outwards; zero for a degenerate simplex.
     fn normal(&self) -> Point<D> {
         let c = &self.corners;
         let along = sub(c[1], c[0]);
@@ -342,7 +343,7 @@ impl<const D: usize> Simplex<D> {
         }
     }
 
-    /// Where the way from a to b passes through it, in parts of it.
+    /// Its crossing with the segment from a to b, as a part of that.
     fn crossed(&self, [a, b]: [Point<D>; 2]) -> Option<f64> {
         let normal = self.normal();
         let [from, to] = [a, b].map(|p| dot(sub(p, self.corners[0]), normal));
@@ -483,7 +484,7 @@ mod tests {
 
     #[test]
     fn a_notch_is_outside() {
-        // an L of three squares: what lies in its corner is nearest to the vertex that points into it
+        // an L of three squares: points in its corner are nearest to the vertex that points into it
         let points = [
             [0., 0.],
             [2., 0.],

@@ -8,15 +8,15 @@
 //!   ∫ |a − b| (sin² 2θ_a ds_a + sin² 2θ_b ds_b)   is least:
 //! ```
 //!
-//! across where the sides allow it (θ = 90°: radial in a ring of any thickness, upright in a beam, also beside a step, whose
-//! face is then walked along, θ = 0°, for nothing), with equal angles to both sides where these converge, and turning
-//! about the re-entrant corner of a frame, whose diagonal is one of them. The middle line runs through the middles of the ribs.
-//! Nodes of the two sides need not match: the paths are looked for among samples of the sides to which the feet of the nodes
-//! opposite belong, by dynamic programming (the warping of two sequences, as described in Sakoe and Chiba, IEEE Trans. ASSP
+//! across where the sides allow it (θ = 90°: radial in a ring of any thickness, upright in a beam; also beside a step, whose
+//! face, at θ = 0°, costs nothing), with equal angles to both sides where these converge, and turning about the re-entrant
+//! corner of a frame, whose diagonal is one of them. The middle line runs through the middles of the ribs.
+//! Nodes of the two sides need not match: the paths are found among samples of the sides, which include the feet of the opposite
+//! nodes, by dynamic programming (the warping of two sequences, as described in Sakoe and Chiba, IEEE Trans. ASSP
 //! 26 (1978) 43–49).
 //!
 //! Signs: s runs along the middle line with the first side on its left. A closed strip starts where the ray along +x from the
-//! middle of what its middle line encloses meets it.
+//! centroid of the enclosed area meets it.
 
 use crate::geometry::{Point, add_scaled, distance, dot, norm, sub, unit};
 use crate::mesh::{Chain, Facet, Mesh};
@@ -30,12 +30,12 @@ pub struct Cut {
     pub first: Point<2>,
     /// Its end on the second side.
     pub second: Point<2>,
-    /// It is the end of the body, at the end of the middle line: the body lies behind it.
+    /// It is the end of the body, at the end of the middle line: the body lies on its far side.
     pub last: bool,
 }
 
 impl Cut {
-    /// Its middle, which forces are counted about.
+    /// Its middle, about which moments are taken.
     pub fn middle(&self) -> Point<2> {
         add_scaled(self.first, 0.5, sub(self.second, self.first))
     }
@@ -50,7 +50,7 @@ impl Cut {
         unit(sub(self.first, self.second)).unwrap_or([0.0, 1.0])
     }
 
-    /// Unit vector across the cut, the way that s runs: the first side is on its left.
+    /// Unit vector across the cut, in the direction of s: the first side is on its left.
     pub fn along(&self) -> Point<2> {
         let [x, y] = self.toward_first();
         [y, -x]
@@ -71,7 +71,7 @@ pub enum StripError {
         /// How many.
         pieces: usize,
     },
-    /// They meet, or are one.
+    /// They meet, or coincide.
     #[error(
         "the sides \"{0}\" and \"{1}\" meet: two sides that face each other across the body are needed"
     )]
@@ -79,7 +79,7 @@ pub enum StripError {
     /// A ring and a line.
     #[error("the side \"{0}\" goes all around and \"{1}\" does not")]
     OneClosed(String, String),
-    /// They run the same way, or belong to parts that nothing joins.
+    /// They run in the same direction, or belong to unconnected parts.
     #[error("the sides \"{0}\" and \"{1}\" do not face each other across the body")]
     Apart(String, String),
     /// Thicker than long.
@@ -113,7 +113,7 @@ struct Rib {
     s: f64,
 }
 
-/// A side that is walked along: place k + x is x of the way along its facet k.
+/// A side as a path: place k + x is the part x along its facet k.
 #[derive(Debug, Clone)]
 struct Track<'m> {
     mesh: &'m Mesh<2>,
@@ -129,17 +129,17 @@ const SAMPLES: usize = 1200;
 /// Most parts of a facet between two samples.
 const PARTS: usize = 4;
 
-/// Places of a facet nearer to each other are one.
+/// Places of a facet nearer to each other coincide.
 const SAME: f64 = 1e-7;
 
-/// Cosine of the angle between the normals of two facets up to which their common node is no corner.
+/// Cosine of the angle between the normals of two facets up to which their common node is not a corner.
 const SMOOTH: f64 = 0.94;
 
 /// Lengths alone decide between paths that are equal otherwise.
 const BY_LENGTH: f64 = 1e-6;
 
-/// A rib is turned about its middle by up to this angle until it is across best, unless it is more oblique than this: then it
-/// turns about a corner.
+/// A rib is turned about its middle by up to this angle into the best position across, unless it is more oblique than this: then
+/// it turns about a corner.
 const TURN: f64 = 0.15;
 const OBLIQUE: f64 = 0.3;
 
@@ -295,7 +295,7 @@ fn oblique(rib: Point<2>, tangent: Point<2>) -> f64 {
     4.0 * part * (1.0 - part)
 }
 
-/// What it costs to walk from a to b beside the other end of the rib.
+/// Cost of the path from a to b beside the other end of the rib.
 fn walk(a: Point<2>, b: Point<2>, rib: Point<2>) -> f64 {
     let step = sub(b, a);
     norm(step) * norm(rib) * (oblique(rib, step) + BY_LENGTH)
@@ -305,10 +305,10 @@ fn middle(a: Point<2>, b: Point<2>) -> Point<2> {
     add_scaled(a, 0.5, sub(b, a))
 }
 
-/// The cheapest way from the first to the last pair of two sequences, pair by pair.
+/// The cheapest path from the first to the last pair of two sequences, pair by pair.
 fn cheapest(a: &[Point<2>], b: &[Point<2>]) -> Vec<[usize; 2]> {
     let (n, m) = (a.len(), b.len());
-    // how each pair is reached: 0 both, 1 the first alone, 2 the second alone
+    // the step to each pair: 0 in both, 1 in the first, 2 in the second
     let mut came = vec![0_u8; n * m];
     let mut before: Vec<f64> = Vec::new();
     for i in 0..n {
@@ -427,7 +427,7 @@ impl<'m> Strip<'m> {
         Ok(strip)
     }
 
-    /// Both sides look at each other: rays into the body from one meet the other, more often than not.
+    /// Both sides face each other: rays into the body from one mostly meet the other.
     fn faces(&self) -> bool {
         let [first, second] = &self.sides;
         let target = second.polygon(&second.even());
@@ -472,7 +472,7 @@ impl<'m> Strip<'m> {
         })
     }
 
-    /// Ribs once around: a first way from anywhere, then one that starts where the first is farthest from its ends.
+    /// Ribs once around: a first path from any start, then one that starts where the first is farthest from its ends.
     fn around(&self, samples: &[Vec<(f64, Point<2>)>; 2]) -> Vec<Rib> {
         let counts = self.sides.each_ref().map(Track::count);
         let way = |start: [usize; 2]| -> Vec<[f64; 2]> {
@@ -508,7 +508,7 @@ impl<'m> Strip<'m> {
         let path = way([index(0), index(1)]);
         let middles: Vec<Point<2>> = path.iter().map(|&at| self.raw(at).middle()).collect();
         let start = start_of_ring(&middles);
-        // cut open there, and joined again behind its end
+        // cut open there, and joined again after its end
         let (k, x) = (start.floor() as usize, start.fract());
         let between = |i: usize, x: f64| {
             let (p, q) = (path[i], path[i + 1]);
@@ -523,7 +523,7 @@ impl<'m> Strip<'m> {
         self.measured(turned)
     }
 
-    /// Ribs with the lengths of the way of their middles.
+    /// Ribs with the path lengths of their middles.
     fn measured(&self, path: Vec<[f64; 2]>) -> Vec<Rib> {
         let mut s = 0.0;
         let mut before = None;
@@ -581,7 +581,7 @@ impl<'m> Strip<'m> {
         }
     }
 
-    /// A rib turned about its middle until it is across best; as it is, where it is that already.
+    /// A rib turned about its middle into the best position across.
     fn across(&self, at: [f64; 2]) -> Cut {
         let cut = self.raw(at);
         let (centre, along) = (cut.middle(), cut.toward_first());
@@ -664,8 +664,8 @@ impl Track<'_> {
     }
 }
 
-/// Where the ray along +x from the centroid of what a polygon encloses meets it, farthest out: index and part of the side
-/// behind it. The last point is the first.
+/// The outermost point of a polygon on the ray along +x from its centroid: index and part of the side that follows it. The last
+/// point is the first.
 fn start_of_ring(polygon: &[Point<2>]) -> f64 {
     let mut area = [0.0; 3];
     let origin = polygon[0];

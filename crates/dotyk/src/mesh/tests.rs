@@ -97,7 +97,7 @@ fn length(mesh: &Mesh<2>, side: &str) -> f64 {
     facets.iter().map(|&f| mesh.facet_length(f)).sum()
 }
 
-/// Every boundary facet belongs to exactly one side and the sides hold nothing else.
+/// Every boundary facet belongs to exactly one side, and the sides hold no others.
 fn assert_closed(mesh: &Mesh<2>) {
     let mut all: Vec<Facet> = mesh.sides().values().flatten().copied().collect();
     all.sort_unstable();
@@ -342,7 +342,7 @@ fn a_patch_holds_the_whole_facets_in_its_box_and_its_borders() {
     }
     .build()
     .unwrap();
-    // The box misses both end nodes by what rounding could have moved them.
+    // The box misses both end nodes by a possible rounding.
     let mesh = mesh
         .with_patch(
             "patch",
@@ -507,7 +507,7 @@ fn a_chain_ends_where_the_boundary_touches_itself() {
     }
     assert_eq!(mesh.facet_components(), [0, 1]);
     assert_eq!(mesh.component_count(), 2);
-    // Without one of the two facets that arrive at the corner there is still no telling which one leaves.
+    // Without one of the two facets that arrive at the corner the leaving one is still ambiguous.
     let mut facets = mesh.side("all").unwrap().to_vec();
     facets.retain(|&facet| mesh.facet_nodes(facet).nth(1) != Some(2) || facet.cell == 0);
     let sides = BTreeMap::from([("most".to_string(), facets)]);
@@ -1374,7 +1374,7 @@ fn cells_of_space_that_are_mirrored_are_turned_and_those_that_are_folded_refused
         });
         let folded = folded.map(|mesh| mesh.cell_count());
         match cell {
-            // a tetrahedron has one orientation: it is turned, and the mesh overlaps, which its outline tells
+            // a tetrahedron has one orientation: it is turned, and the mesh overlaps, which its outline shows
             CellKind::Tet4 => assert!(folded.is_ok()),
             // a prism or quadratic cell may be turned as a whole
             _ if cell != CellKind::Hex8 => assert!(
@@ -1438,7 +1438,7 @@ fn what_is_linear_between_corners_is_made_of_them() {
                 .map(|&(k, part)| part * linear(&nodes[k]))
                 .sum();
             assert!((value - linear(&nodes[node])).abs() < 1e-14, "{kind:?}");
-            // the middle of an edge is made of its ends alone
+            // the middle of an edge depends on its ends alone
             assert!(
                 parts
                     .iter()

@@ -78,8 +78,8 @@ impl Cuboid {
 pub(super) const CELLS_OF_SPACE: &str =
     "give tet4, tet10, hex8, hex20, hex27, prism6, prism15 or prism18";
 
-/// The cells of the plane that become those of space when they are carried along, and what they become; tetrahedra are cut
-/// from hexahedra afterwards. `None`: these are not cells of space.
+/// The cells of the plane from which these cells of space are extruded, and the extruded kind; tetrahedra are cut from hexahedra
+/// afterwards. `None`: these are not cells of space.
 pub(super) fn plane_and_solid(cell: CellKind) -> Option<(CellKind, CellKind)> {
     let full = cell != CellKind::Prism15;
     let plane = match cell {

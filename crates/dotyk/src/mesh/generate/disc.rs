@@ -24,7 +24,7 @@ pub(super) struct Disc {
     pub cell: CellKind,
 }
 
-/// Place of a node: patch or spoke, and its steps in it; the rings come behind the last spoke.
+/// Place of a node: patch or spoke, and its steps in it; the rings come after the last spoke.
 type Key = [usize; 3];
 
 /// A patch of the core.
@@ -36,7 +36,7 @@ struct Patch {
     rim: usize,
 }
 
-/// What the core is made of.
+/// Layout of the core.
 struct Core {
     full: bool,
     /// Cells along each spoke; of a full disc the cells along its two directions.
@@ -52,7 +52,7 @@ struct Core {
     radius: f64,
 }
 
-/// How round the core is: between 0, a polygon, and 1, a circle.
+/// Roundness of the core: between 0, a polygon, and 1, a circle.
 const ROUND: f64 = 0.5;
 
 impl Disc {
@@ -193,7 +193,7 @@ impl Core {
     /// The point of the edge of the core at a place of the rim.
     fn edge(&self, at: f64) -> Point<2> {
         let (n, corners) = (self.around as f64, &self.corners);
-        // the end of a sector is no beginning
+        // the end of a sector is not a beginning
         let at = if self.full { at % n } else { at };
         let (first, last) = (corners[0] as f64, corners[corners.len() - 1] as f64);
         // beyond the last corner is the first one again, or its image in the last spoke

@@ -2,8 +2,8 @@
 //!
 //! Quadrilaterals become hexahedra, triangles prisms, of their order. A quadratic layer has a level of nodes in its middle,
 //! so that there are order · layers + 1 levels, one less where the last layer ends at the first. Node n of the surface has
-//! one node at each level, on the middle levels only where a cell has one there: reference cells say where, since the node
-//! of a solid cell at (ξ, η, ζ) stands on the node of the surface at (ξ, η).
+//! one node at each level, on the middle levels only where a cell has one there. Reference cells show where, since the node of a
+//! solid cell at (ξ, η, ζ) lies above the node of the surface at (ξ, η).
 
 use crate::geometry::Point;
 use crate::mesh::{CellBlock, CellKind, Facet};
@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 /// No node at that level.
 const NONE: u32 = u32::MAX;
 
-/// What a surface becomes.
+/// The solid made from a surface.
 pub(super) struct Layers<'a> {
     surface: &'a [CellBlock],
     /// Of each block of the surface.
@@ -20,11 +20,11 @@ pub(super) struct Layers<'a> {
     layers: usize,
     /// Numbers of the nodes, level by level, `NONE` where there is none.
     numbers: Vec<Vec<u32>>,
-    /// How many nodes there are, those of a first level that was given included.
+    /// Number of nodes, those of a given first level included.
     pub count: usize,
 }
 
-/// What a plane cell becomes; `full`: with all nodes that its order has.
+/// The solid kind made from a plane cell; `full`: with all nodes of its order.
 pub(super) fn carried(kind: CellKind, full: bool) -> CellKind {
     match kind {
         CellKind::Quad4 => CellKind::Hex8,
@@ -54,8 +54,8 @@ fn stands_on(solid: CellKind, plane: CellKind) -> Vec<(usize, usize)> {
 }
 
 impl<'a> Layers<'a> {
-    /// The levels over a surface of `nodes` nodes; all blocks have one order. `first`: the numbers of the nodes of the first
-    /// level where they have some already, and the next that is free.
+    /// The levels over a surface of `nodes` nodes; all blocks have one order. `first`: existing numbers of the nodes of the first
+    /// level, and the next free number.
     pub fn new(
         surface: &'a [CellBlock],
         kinds: Vec<CellKind>,
@@ -97,7 +97,7 @@ impl<'a> Layers<'a> {
         }
     }
 
-    /// Appends the points of the levels whose numbers were not given: node and level say where.
+    /// Appends the points of the levels whose numbers were not given, from node and level.
     pub fn points(&self, points: &mut Vec<Point<3>>, at: impl Fn(usize, usize) -> Point<3>) {
         for (level, numbers) in self.numbers.iter().enumerate() {
             for (node, &number) in numbers.iter().enumerate() {
@@ -136,7 +136,7 @@ impl<'a> Layers<'a> {
         (0..self.layers).map(move |layer| Facet {
             block: edge.block,
             cell: self.cell(edge.block, edge.cell, layer),
-            // behind bottom and top
+            // after bottom and top
             local: edge.local + 2,
         })
     }

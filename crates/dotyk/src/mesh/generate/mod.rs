@@ -28,10 +28,10 @@ use std::ops::Range;
 /// Most nodes of a mesh: gigabytes in the plane and tens of them in space, long before an index overflows.
 const MOST_POINTS: usize = 100_000_000;
 
-/// Smallest cell over the sum of all cells in a direction: below, neighbouring nodes coincide but for rounding.
+/// Smallest cell over the sum of all cells in a direction: below, neighbouring nodes coincide up to rounding.
 const LEAST_SHARE: f64 = 1e-10;
 
-/// How quadrilaterals are cut into triangles.
+/// Diagonals that cut quadrilaterals into triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Diagonals {
     /// Alternating, like a checkerboard.
@@ -253,7 +253,7 @@ impl TunnelRock {
     /// in y = 0 to the last bit.
     ///
     /// Errors: values that are not finite, a rectangle that does not contain the hole, fewer than four cells around or
-    /// none outward, too many cells, `ratio` or `grade` not positive or too far from one for so many cells; a folded cell
+    /// no cell outward, too many cells, `ratio` or `grade` not positive or too far from one for so many cells; a folded cell
     /// where a coarse mesh cannot follow a hole that almost touches the rectangle.
     pub fn build(&self) -> Result<Mesh<2>, MeshError> {
         let wrong = |key, value: String, need| wrong("tunnel_rock", key, value, need);
@@ -373,7 +373,7 @@ fn between(from: f64, to: f64, s: f64) -> f64 {
     if s == 1.0 { to } else { from + (to - from) * s }
 }
 
-/// Ends of n intervals of [0, 1] with sizes ∝ ratioᵏ; `None` when that makes no distinct points.
+/// Ends of n intervals of [0, 1] with sizes ∝ ratioᵏ; `None` if the points are not distinct.
 fn geometric(n: usize, ratio: f64) -> Option<Vec<f64>> {
     cumulated(None, ratio, 0..n)
 }
@@ -428,7 +428,7 @@ enum Edge {
 /// Consecutive squares along an edge of the lattice.
 type Piece = (Edge, Range<usize>);
 
-/// How one square of 3 × 3 places, numbered row by row from the lower left, is cut into cells.
+/// The cut of one square of 3 × 3 places, numbered row by row from the lower left, into cells.
 struct Cut {
     /// Places of the nodes of each cell, in the numbering of the quadratic kind.
     cells: &'static [&'static [usize]],

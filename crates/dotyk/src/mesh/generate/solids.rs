@@ -5,7 +5,7 @@
 //! faces: the outermost nodes stand in the directions of tan(πqᵢ/4), so that they are spaced equally along the equators; the
 //! core lies between a cube and a ball (Nowell's map, qᵢ√(1 − qⱼ²/2 − qₖ²/2 + qⱼ²qₖ²/3)). A part of it around a pole is the
 //! half with qz ≥ 0, its polar angles scaled.
-//! Nodes of second order stand where the same functions put them: on the true circles, cylinders and spheres.
+//! Nodes of second order are images of the same functions: on the true circles, cylinders and spheres.
 
 use crate::geometry::{Point, Surface, add_scaled, dot, norm, sub, unit};
 use crate::mesh::generate::cuboid::{Cuboid, plane_and_solid};
@@ -23,13 +23,13 @@ use std::collections::BTreeMap;
 pub struct Extrude {
     /// The plane mesh, at z = 0.
     pub mesh: Mesh<2>,
-    /// Where it is carried.
+    /// The path of the extrusion.
     pub path: Path,
     /// Layers of cells.
     pub layers: usize,
 }
 
-/// Where a plane mesh is carried.
+/// The path along which a plane mesh is extruded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Path {
     /// Along z up to this height, > 0.
@@ -89,8 +89,8 @@ pub struct Sphere {
     pub cell: CellKind,
 }
 
-/// A plane mesh carried along layers: node and level tell the point, edge and its curve the surface over an edge. The ends are
-/// the sides `ends`.
+/// A plane mesh carried along layers: callbacks give the point from node and level, and the surface over an edge from the edge and its
+/// curve. The ends are the sides `ends`.
 fn carry(
     plane: &Mesh<2>,
     full: bool,
@@ -137,8 +137,8 @@ fn carry(
     .checked()
 }
 
-/// Whether quadrilaterals of a plane mesh have a node in their centre. The faces over their edges have one then, which all
-/// cells beside them must have, too.
+/// Whether quadrilaterals of a plane mesh have a node in their centre. Then the faces over their edges have one, and all
+/// neighbouring cells must have it, too.
 fn has_centres(plane: &Mesh<2>) -> bool {
     plane.blocks().iter().any(|b| b.kind == CellKind::Quad9)
 }
@@ -167,7 +167,7 @@ fn with_centres(mut plane: Mesh<2>) -> Mesh<2> {
     plane
 }
 
-/// The cells asked for, of a mesh of hexahedra that can be cut into them.
+/// The requested cells, cut from a mesh of hexahedra.
 fn in_cells(mesh: Mesh<3>, cell: CellKind) -> Result<Mesh<3>, MeshError> {
     match cell.domain() {
         Domain::Tetrahedron => tetrahedra(&mesh),
@@ -175,7 +175,7 @@ fn in_cells(mesh: Mesh<3>, cell: CellKind) -> Result<Mesh<3>, MeshError> {
     }
 }
 
-/// Hexahedra that the cells asked for are, or are cut from, with the quadrilaterals that become them.
+/// The hexahedra that are, or are cut into, the requested cells, with the quadrilaterals from which they are made.
 fn hexahedra(generator: &'static str, cell: CellKind) -> Result<(CellKind, CellKind), MeshError> {
     let need = "give tet4, tet10, hex8, hex20 or hex27; prisms come from `extrude` of triangles";
     plane_and_solid(cell)
@@ -184,8 +184,8 @@ fn hexahedra(generator: &'static str, cell: CellKind) -> Result<(CellKind, CellK
 }
 
 impl Extrude {
-    /// The mesh: quad4, quad8, quad9, tri3, tri6 become hex8, hex20, hex27, prism6, prism15; where there is a quad9, quad8
-    /// and tri6 become hex27 and prism18.
+    /// The mesh: quad4, quad8, quad9, tri3, tri6 become hex8, hex20, hex27, prism6, prism15; beside a quad9, quad8 and tri6
+    /// become hex27 and prism18.
     ///
     /// Errors: a height that is not positive and finite, an angle that is not in (0°, 360°], an axis that is not in the plane
     /// of the mesh or not beside it, no layers, layers of 180° and more, cells of different order, a side of the mesh that is
@@ -306,7 +306,7 @@ impl Extrude {
                             radius: from_axis(first).abs(),
                         });
                     }
-                    // a line across the axis makes a plane, whose facets are what it is
+                    // a line across the axis makes a plane, exact in its facets
                     let apex = height(far) - from_axis(far).abs() * higher / wider;
                     (!near(higher, 0.0)).then(|| Surface::Cone {
                         apex: space(add_scaled(point, apex, along)),
@@ -493,14 +493,14 @@ fn around(
     ring.build()
 }
 
-/// How round the core of a ball is: between 0, a cube, and 1, a ball.
+/// Roundness of the core of a ball: between 0, a cube, and 1, a ball.
 const ROUND: f64 = 0.5;
 
 impl Sphere {
     /// The mesh.
     ///
     /// Errors: values that are not finite, radii that are not 0 ≤ `inner` < `radius`, polar angles that are not
-    /// 0° ≤ from < to ≤ 180°, a solid part without a pole, no cells or too many, a number around that is no multiple of 4
+    /// 0° ≤ from < to ≤ 180°, a solid part without a pole, no cells or too many, a number around that is not a multiple of 4
     /// where the cells make a core or a closed sphere, prisms.
     pub fn build(&self) -> Result<Mesh<3>, MeshError> {
         let wrong = |key, value: String, need| Err(wrong("sphere", key, value, need));
@@ -580,14 +580,14 @@ impl Sphere {
             true => (0.0, 180.0 - from),
             false => (from, to),
         };
-        // the core of a cap at a pole stands for an eighth of the turn
+        // the core of a cap at a pole covers an eighth of the turn
         let share = if low == 0.0 { 720.0 } else { 360.0 };
         let around = self.cells[0];
         let rows = (around as f64 * (high - low) / share).round() as usize;
         ((low, high), [around, rows.max(1)])
     }
 
-    /// Cells of the cube whose image the core is, or of its half.
+    /// Cells of the cube (or half cube) whose image is the core.
     fn cube_cells(&self, closed: bool) -> [usize; 3] {
         let n = self.cells[0] / 4;
         let [from, to] = self.angles;
@@ -667,7 +667,7 @@ impl Sphere {
         cube.build()
     }
 
-    /// Layers on faces of a cube: their blocks and where their nodes stand.
+    /// Layers on faces of a cube: their blocks and the places of their nodes.
     fn grown(
         &self,
         cube: &Mesh<3>,
@@ -781,7 +781,7 @@ impl Sphere {
         Ok(self.with_spheres(mesh))
     }
 
-    /// The boundary that is not `outer` is the end of a part.
+    /// The boundary apart from `outer` is the end of a part.
     fn with_end(&self, mesh: Mesh<3>) -> Result<Mesh<3>, MeshError> {
         let outer = mesh.side("outer").unwrap_or_default();
         let mut rest = mesh.boundary_facets();

@@ -1,7 +1,7 @@
 //! Tetrahedra from hexahedra and prisms.
 //!
 //! Every cell is cut by its own node numbers: a quadrilateral by the diagonal from its lowest corner, a cell into pyramids
-//! and tetrahedra from its lowest corner to the faces that it does not belong to. Both cells at a face cut it in the same
+//! and tetrahedra from its lowest corner to the faces without that corner. Both cells at a face cut it in the same
 //! way, whatever the mesh is; a hexahedron gives six, a prism three. In a box numbered along its axes these are the six
 //! paths from the lowest to the highest corner of each cell.
 //! New edges lie in the middles of faces and cells, where quadratic cells with all their nodes have one.
@@ -99,7 +99,7 @@ fn cut(kind: CellKind, nodes: &[u32]) -> Vec<[usize; 4]> {
     tetrahedra
 }
 
-/// The node in the middle between two corners, (corners, corners); not asked for of linear cells, which have no such node.
+/// The node in the middle between two corners, (corners, corners); not used for linear cells, which have no such node.
 fn middles(kind: CellKind) -> Vec<Vec<usize>> {
     let nodes = kind.reference_nodes();
     let corners = &nodes[..kind.corners()];

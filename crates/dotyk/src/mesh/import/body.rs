@@ -1,4 +1,4 @@
-//! How a body is cut out of a mesh file: its cells, points, blocks and sides, and what does not fit.
+//! Cutting a body out of a mesh file: its cells, points, blocks and sides, and errors where they do not fit.
 
 use crate::geometry::Point;
 use crate::mesh::import::content::ReadCell;
@@ -10,14 +10,14 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// The side that every imported mesh has, unless a group of the file has its name.
 const BOUNDARY: &str = "boundary";
 
-/// A body's mesh, and what of the file is not in it.
+/// A body's mesh, and the parts of the file that are not in it.
 #[derive(Debug, Clone)]
 pub struct Imported<const D: usize = 2> {
     /// The cells with their groups, and the sides.
     pub mesh: Mesh<D>,
-    /// The nodes of the body in groups of points, by the name of the group; groups without one are not there.
+    /// The nodes of the body in groups of points, by the name of the group; groups without such a node are left out.
     pub points: BTreeMap<String, Vec<Point<D>>>,
-    /// What was left out or may be unexpected, in words.
+    /// Remarks on omitted or unexpected parts.
     pub warnings: Vec<String>,
     /// Groups of cells that the body does not contain.
     pub unused_cells: Vec<String>,
@@ -45,7 +45,7 @@ impl MeshFile {
     /// A group may be named as in the file or as in [`Self::cell_groups`]. The blocks of the mesh keep the names of the
     /// groups, for materials; without `groups`, cells of several groups have none.
     /// Errors: an unknown group; a cell in two of the groups; cells of a kind that is not supported; z not constant;
-    /// whatever [`Mesh::new`] refuses, with the number of the element.
+    /// the errors of [`Mesh::new`], with the number of the element.
     pub fn mesh(&self, groups: &[&str]) -> Result<Imported, ImportError> {
         self.body(groups)
     }
@@ -171,7 +171,7 @@ impl MeshFile {
         Ok(selection)
     }
 
-    /// Whether a cell is in a body, and then the group that it has there: the one that was chosen, or its only one.
+    /// Whether a cell is in a body, and its group there: the chosen one, or its only one.
     fn membership(
         &self,
         cell: &ReadCell,

@@ -1,8 +1,8 @@
-//! What a mesh file says, in a form that all formats share: nodes, elements with their groups, names of groups.
+//! Content of a mesh file, in a form common to all formats: nodes, elements with their groups, names of groups.
 //!
-//! Cells have the dimension of the bodies that are to be cut out, their sides one less. Only kinds that meshes are made of
-//! are kept; of the others it is known how many there are and in which groups, so that they can be reported, or refused when
-//! a body needs them.
+//! Cells have the dimension of the bodies to be cut out, their sides one less. Only kinds that meshes can consist of are
+//! kept; of the others only their numbers and groups are known, so that they can be reported, or refused if a body needs
+//! them.
 
 use crate::mesh::facets::sorted;
 use crate::mesh::{CellKind, MAX_CELL_NODES};
@@ -84,7 +84,7 @@ pub(crate) struct Refused {
     pub first: u64,
 }
 
-/// Everything that was read.
+/// All data that were read.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Content {
     /// Of the cells: 2 or 3.
@@ -100,7 +100,7 @@ pub(crate) struct Content {
     places: BTreeMap<Vec<i64>, u32>,
     /// Names by dimension and tag.
     pub names: BTreeMap<(u8, i64), String>,
-    /// What was left out, in words.
+    /// Remarks on omitted data.
     pub remarks: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! A place in the bytes of a mesh file, and how to read words and numbers from there on.
+//! A place in the bytes of a mesh file, from which words and numbers are read.
 //!
 //! The same calls read text and binary parts: [`Cursor::integer`], [`Cursor::size`] and [`Cursor::real`] take the next
 //! word of a text, or the next bytes of a binary part. Every error names the line, or the section and the byte.
@@ -88,7 +88,7 @@ impl<'b> Cursor<'b> {
         self.at
     }
 
-    /// Moves to the next byte that is no white space; false at the end of the file.
+    /// Moves to the next byte that is not white space; `false` at the end of the file.
     pub fn skip_space(&mut self) -> bool {
         let rest = &self.bytes[self.at..];
         let space = rest.iter().take_while(|byte| byte.is_ascii_whitespace());
@@ -96,7 +96,7 @@ impl<'b> Cursor<'b> {
         self.at < self.bytes.len()
     }
 
-    /// The rest of the line without white space around it; moves behind it.
+    /// The rest of the line without white space around it; moves past it.
     pub fn line(&mut self) -> String {
         let rest = &self.bytes[self.at..];
         let end = rest.iter().position(|byte| *byte == b'\n');
@@ -140,7 +140,7 @@ impl<'b> Cursor<'b> {
         Ok(taken)
     }
 
-    /// The number 1 in four bytes, which tells the order of bytes; `size` is that of sizes.
+    /// The number 1 in four bytes, which shows the order of bytes; `size` is that of sizes.
     pub fn byte_order(&mut self, size: usize) -> Result<Encoding, ImportError> {
         let start = self.at;
         match u32::from_le_bytes(self.take("the number 1 that tells the order of bytes")?) {
@@ -174,7 +174,7 @@ impl<'b> Cursor<'b> {
         }
     }
 
-    /// A number of things, or one that numbers them.
+    /// A count or an index.
     pub fn size(&mut self, what: &str) -> Result<u64, ImportError> {
         let Encoding::Binary { big_endian, size } = self.encoding else {
             return self.parsed(what);
@@ -230,7 +230,7 @@ impl<'b> Cursor<'b> {
         })
     }
 
-    /// Moves behind the line `$End...` of the section whose data end here.
+    /// Moves past the line `$End...` of the section whose data end here.
     pub fn end_section(&mut self, name: &str) -> Result<(), ImportError> {
         let end = format!("$End{name}");
         if !self.skip_space() {
@@ -245,7 +245,7 @@ impl<'b> Cursor<'b> {
         Err(self.malformed(start, message))
     }
 
-    /// Moves behind the line `$End...` of a section whose data are not read.
+    /// Moves past the line `$End...` of a section whose data are not read.
     pub fn skip_section(&mut self, name: &str) -> Result<(), ImportError> {
         let end = format!("\n$End{name}");
         // The section may be empty: its end may follow its header at once.

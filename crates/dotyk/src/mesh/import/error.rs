@@ -1,4 +1,4 @@
-//! What can be wrong with a mesh file: every error names the file, the place in it and the way out.
+//! Errors of a mesh file: each names the file, the place in it and the remedy.
 
 use crate::mesh::MeshError;
 use std::fmt;
@@ -35,7 +35,7 @@ pub enum ImportError {
     Unreadable {
         /// The file.
         file: String,
-        /// What the system says.
+        /// The error of the system.
         why: String,
     },
     /// A format, a version or a feature of a format that is not read.
@@ -43,7 +43,7 @@ pub enum ImportError {
     Unsupported {
         /// The file.
         file: String,
-        /// What it is, and what to do.
+        /// The feature, and advice.
         what: String,
     },
     /// The file breaks the rules of its format.
@@ -53,7 +53,7 @@ pub enum ImportError {
         file: String,
         /// Where.
         place: FilePlace,
-        /// What was expected and what was found.
+        /// The expected and the found content.
         what: String,
     },
     /// A group of cells that the file does not have.
@@ -66,7 +66,7 @@ pub enum ImportError {
         /// Groups of cells that exist.
         known: Vec<String>,
     },
-    /// A group of faces is no body: it has no volume.
+    /// A group of faces cannot be a body: it has no volume.
     #[error(
         "{file}: `{group}` is a group of faces, a shell; a body needs cells with volume: mesh in 3D and name a group of volumes; {}",
         groups(known)
@@ -101,14 +101,14 @@ pub enum ImportError {
         /// The name of both.
         name: String,
     },
-    /// There is nothing to make a body of.
+    /// There are no cells for a body.
     #[error("{file} has no cells {cells}; {found}")]
     NoCells {
         /// The file.
         file: String,
         /// Which cells are needed.
         cells: &'static str,
-        /// What there is instead.
+        /// The cells that exist instead.
         found: String,
     },
     /// Cells of the body are of a kind that is not supported.

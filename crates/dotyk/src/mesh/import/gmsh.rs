@@ -18,7 +18,7 @@ const fn kind(name: &'static str, dimension: u8, nodes: usize) -> ElementType {
     }
 }
 
-/// Gmsh's numbers of element types that no mesh of ours consists of.
+/// Gmsh's numbers of element types that are not supported.
 const OTHER_TYPES: [(i64, ElementType); 30] = [
     (7, kind("pyramid5", 3, 5)),
     (14, kind("pyramid14", 3, 14)),
@@ -205,7 +205,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Physical tags of the geometric entities; where these lie and what bounds them is not needed.
+    /// Physical tags of the geometric entities; their positions and boundaries are not needed.
     fn entities(&mut self) -> Result<(), ImportError> {
         let mut counts = [0; 4];
         for count in &mut counts {

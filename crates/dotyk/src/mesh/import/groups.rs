@@ -1,4 +1,4 @@
-//! Physical groups of one dimension: what they are called in the file and here, and which tags belong to them.
+//! Physical groups of one dimension: their names in the file and here, and their tags.
 
 use crate::mesh::import::error::ImportError;
 use std::collections::{BTreeMap, BTreeSet};
@@ -7,13 +7,13 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Groups {
     pub names: Vec<String>,
-    /// As the file calls them; `None` where it gives a number only.
+    /// Their names in the file; `None` where it gives a number only.
     pub originals: Vec<Option<String>>,
     pub tags: BTreeMap<i64, usize>,
 }
 
 impl Groups {
-    /// The group that a user calls so: by its name here, or as in the file.
+    /// The group with a name given by a user: its name here, or that in the file.
     pub fn find(&self, name: &str) -> Option<usize> {
         let called = |known: &String| known == name;
         let original = |known: &Option<String>| known.as_deref() == Some(name);

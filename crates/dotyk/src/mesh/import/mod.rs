@@ -8,8 +8,8 @@
 //!
 //! Names: a group is called by its physical name, without one by its number. Runs of characters other than letters of
 //! ASCII, digits, `_` and `-` become one `_`, with a warning, so that the name can stand in a case file.
-//! Nothing is guessed: what has no meaning for a body is listed in the warnings, and what a body would need but
-//! is not supported is an error. Coincident nodes are not merged.
+//! Nothing is guessed: data without a meaning for a body are listed in the warnings, and unsupported data that a body would
+//! need are an error. Coincident nodes are not merged.
 
 mod body;
 mod content;
@@ -62,8 +62,8 @@ pub struct MeshFile {
 impl MeshFile {
     /// Reads a file for bodies of the plane; its content tells the format.
     ///
-    /// Errors: a file that cannot be read or is of no known format; what breaks the rules of the format, with line, or
-    /// section and byte; versions and features that are not read; groups whose names cannot be told apart; no cells.
+    /// Errors: a file that cannot be read or has no known format; violations of the format, with line, or section and byte;
+    /// versions and features that are not read; groups whose names are indistinguishable; no cells.
     pub fn read(path: &Path) -> Result<Self, ImportError> {
         Self::open(path, 2)
     }
@@ -166,7 +166,7 @@ impl MeshFile {
             2 => ("mesh in 2D, and ", "surfaces"),
             _ => ("mesh in 3D, and ", "volumes"),
         };
-        // a surface mesh of space is no mistake of groups alone
+        // a surface mesh of space is not just a mistake of groups
         let again = if self.dimension == 2 { "" } else { mesh };
         ImportError::NoCells {
             file: self.name.clone(),
@@ -186,7 +186,7 @@ impl MeshFile {
         }
     }
 
-    /// What sides consist of.
+    /// Elements of sides.
     fn sides_word(&self) -> &'static str {
         match self.dimension {
             2 => "edges",
@@ -217,7 +217,7 @@ impl MeshFile {
         &self.point_groups.names
     }
 
-    /// What of the whole file was left out or renamed, in words that name the file.
+    /// Remarks on omitted or renamed parts of the whole file, which name the file.
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }

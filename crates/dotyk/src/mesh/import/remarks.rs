@@ -1,4 +1,4 @@
-//! What of a mesh file no body can contain, or is called otherwise, in words.
+//! Remarks on parts of a mesh file that no body can contain, or that are renamed.
 
 use crate::mesh::MeshFile;
 use crate::mesh::facets::sorted;
@@ -6,8 +6,8 @@ use crate::mesh::import::content::{Content, ReadSide, Refused};
 use std::collections::{BTreeMap, HashSet};
 
 impl MeshFile {
-    /// What the user should know of the file whichever body is cut out of it; `content` is what was read, its elements
-    /// moved into the file, and `repeated` cells of it were dropped.
+    /// Remarks on the file that hold for every body cut out of it; `content` is the read content, whose elements have been moved
+    /// into the file, and `repeated` the number of dropped cells.
     pub(crate) fn remarks(&self, content: &Content, repeated: usize) -> Vec<String> {
         let mut remarks = content.remarks.clone();
         let dimension = self.dimension;

@@ -1,9 +1,9 @@
 //! VTU files (VTK's XML unstructured grids): one piece, arrays as text, base64 or appended, raw or zlib.
 //!
 //! The groups of cells and of their edges are the numbers of an integer cell array `gmsh:physical` or `group`; zero is
-//! no group. Other arrays are reported. What is compressed may unpack to a hundred times the file: coordinates and numbers of
-//! nodes never do, only what was made to fill a memory. The tags are read one after the other up to appended data, which may be any bytes
-//! and no XML: a tree of the whole document could not be made. Entities of a document's own are not expanded.
+//! no group. Other arrays are reported. Compressed data may unpack to a hundred times the file: real coordinates and node numbers
+//! stay below that, only data made to fill a memory exceed it. The tags are read one after the other up to appended data, which may
+//! be any bytes that are not XML: a tree of the whole document would be impossible. Entities defined by a document are not expanded.
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
 use crate::mesh::import::content::{Content, ElementType};
@@ -18,13 +18,13 @@ use std::cell::Cell;
 use std::fmt::Display;
 use std::io::Read;
 
-/// How many times the bytes of a file its arrays may have together.
+/// Largest ratio of the bytes of all arrays to those of the file.
 const EXPANSION: usize = 100;
 
 /// Cell arrays that hold groups.
 const GROUPS: [&str; 2] = ["gmsh:physical", "group"];
 
-/// VTK's number, name, dimension and nodes of kinds that no mesh of ours consists of.
+/// VTK's number, name, dimension and nodes of kinds that are not supported.
 const OTHER_TYPES: [(i64, &str, u8, usize); 7] = [
     (1, "point", 0, 1),
     (8, "pixel", 2, 4),
@@ -110,11 +110,11 @@ struct Array<'b> {
     format: String,
     /// Place in the appended data.
     offset: Option<usize>,
-    /// What stands between the tags.
+    /// The text between the tags.
     inline: &'b [u8],
     /// Byte of its tag.
     at: usize,
-    /// Byte behind its tag.
+    /// Byte after its tag.
     open: usize,
 }
 
@@ -174,7 +174,7 @@ impl<'b> Document<'b> {
                     }
                     document.open(tag, end)?;
                 }
-                // What stands in the array that was opened last; the first piece, where comments cut it.
+                // The text of the array opened last; only its first piece if comments interrupt it.
                 Event::Text(_) => {
                     if let Some(array) = document.arrays.last_mut().filter(|a| a.open == at) {
                         array.inline = &bytes[at..end];
@@ -188,7 +188,7 @@ impl<'b> Document<'b> {
         }
     }
 
-    /// Takes over a tag; `end` is the byte behind it.
+    /// Handles a tag; `end` is the byte after it.
     fn open(&mut self, tag: Tag, end: usize) -> Result<(), ImportError> {
         match tag.name.as_str() {
             "VTKFile" => self.attributes(&tag)?,
@@ -200,7 +200,7 @@ impl<'b> Document<'b> {
         Ok(())
     }
 
-    /// Takes over appended data; `rest` is what follows their tag.
+    /// Handles appended data; `rest` are the bytes after their tag.
     fn append(&mut self, tag: &Tag, rest: &'b [u8]) -> Result<(), ImportError> {
         let Some(start) = find(rest, b"_") else {
             return Err(broken_tag(self.file, tag.at, &"no data follow behind `_`"));
@@ -439,7 +439,7 @@ impl<'b> Document<'b> {
         })
     }
 
-    /// The bytes of an array that is not text: behind their counts, unpacked.
+    /// The bytes of an array that is not text: after their counts, unpacked.
     fn bytes(&self, array: &Array<'b>) -> Result<Vec<u8>, ImportError> {
         let mut stream: Box<dyn Iterator<Item = u8> + '_> = match array.format.as_str() {
             "binary" => Box::new(base64(array.inline)),
@@ -516,7 +516,7 @@ fn document_error(file: &str, section: &str, offset: usize, what: &str) -> Impor
     }
 }
 
-/// A file that ends too early or is no XML.
+/// The error of a file that ends too early or is not XML.
 fn broken_tag(file: &str, at: usize, why: &dyn Display) -> ImportError {
     let what = format!("{why}: the file is cut off or spoilt, write it again");
     document_error(file, "a tag", at, &what)
@@ -538,7 +538,7 @@ fn array<'b>(tag: &Tag, parent: &str, open: usize) -> Array<'b> {
     }
 }
 
-/// Decodes base64 (RFC 4648) until something else comes. Padding may stand inside: parts of an array are coded apart.
+/// Decodes base64 (RFC 4648) up to the first other character. Padding may occur inside: parts of an array are coded separately.
 fn base64(text: &[u8]) -> impl Iterator<Item = u8> + '_ {
     let mut symbols = text.iter().filter(|byte| !byte.is_ascii_whitespace());
     let mut symbol = move || symbols.next().copied();

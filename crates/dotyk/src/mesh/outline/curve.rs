@@ -1,4 +1,4 @@
-//! Straight lines and circular arcs: points, distances, where two of them come nearest.
+//! Straight lines and circular arcs: points, distances, nearest points of two of them.
 //!
 //! An arc is its centre, radius, angle of its start and signed sweep (counter-clockwise > 0, below a full turn); its
 //! ends are kept as given. The parameter t in [0, 1] runs with the length. Angles are in radians.
@@ -42,7 +42,7 @@ impl Curve {
         Self { start, end, arc }
     }
 
-    /// The arc about a centre, which is moved by what its distances from the two ends differ.
+    /// The arc about a centre, which is moved to equalise its distances from the two ends.
     pub fn arc(start: Point<2>, end: Point<2>, center: Point<2>, clockwise: bool) -> Self {
         if clockwise {
             // So that both ways of drawing an arc give the same numbers.
@@ -185,7 +185,7 @@ impl Curve {
         let (turn, sweep) = (turn.rem_euclid(TAU), arc.sweep.abs());
         match turn <= sweep {
             true => turn / sweep,
-            // Rounding puts it before the start or behind the end.
+            // Rounding puts it before the start or after the end.
             false if TAU - turn < turn - sweep => 0.0,
             false => 1.0,
         }
@@ -214,7 +214,7 @@ impl Curve {
         Self { start, end, arc }
     }
 
-    /// Whether both are parts of one line or of one circle, but for distances up to `near`.
+    /// Whether both are parts of one line or of one circle, up to distances `near`.
     pub fn runs_along(&self, other: &Self, near: f64) -> bool {
         match (self.arc, other.arc) {
             (Some(a), Some(b)) => {
@@ -231,8 +231,8 @@ impl Curve {
         }
     }
 
-    /// Where two curves cross or touch within `near`: at ends that lie on the other one, and elsewhere. Curves that run along
-    /// each other meet at their ends alone.
+    /// Points where two curves cross or touch within `near`: at ends that lie on the other one, and elsewhere. Coincident curves
+    /// meet only at their ends.
     pub fn meetings(&self, other: &Self, near: f64) -> Vec<Point<2>> {
         let on = |curve: &Self, p: Point<2>| distance(curve.nearest(p), p) <= near;
         let ends = [
@@ -246,7 +246,7 @@ impl Curve {
         if self.runs_along(other, near) {
             return points;
         }
-        // What happens within a thousandth of an edge from there is rounding of a tangent arc.
+        // Intersections within a thousandth of an edge from there are rounding of a tangent arc.
         let margin = 1e-3 * self.length().min(other.length());
         for p in self.candidates(other) {
             let far = points.iter().all(|&q| distance(p, q) > margin);
@@ -288,7 +288,7 @@ impl Curve {
         chord + if within { TAU.copysign(arc.sweep) } else { 0.0 }
     }
 
-    /// Where two curves come nearest, leaving out what lies within `margin` of `corners`: (distance, point).
+    /// The nearest points of two curves, without those within `margin` of `corners`: (distance, point).
     pub fn approach(
         &self,
         other: &Self,

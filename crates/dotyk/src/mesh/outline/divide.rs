@@ -1,4 +1,4 @@
-//! How the edges of an outline are divided.
+//! Division of the edges of an outline.
 //!
 //! The wanted size at a place x of an edge is
 //!
@@ -21,13 +21,13 @@ use std::f64::consts::PI;
 /// Largest angle of a piece of an arc: twelve around a circle.
 pub(crate) const WIDEST_PIECE: f64 = PI / 6.0;
 
-/// Sizes that differ by less than this part are one: where h is constant it must stay so to the last bit.
+/// Sizes that differ by less than this part are equal: a constant h must stay constant to the last bit.
 const SAME_SIZE: f64 = 1e-9;
 
 /// Samples of h per wanted size.
 const SAMPLES: f64 = 2.0;
 
-/// A curve with what the user wants of it.
+/// A curve with the wishes of the user.
 #[derive(Debug, Clone)]
 pub(crate) struct Rib {
     pub curve: Curve,
@@ -39,7 +39,7 @@ pub(crate) struct Rib {
     pub widest: f64,
     /// Numbers of the corners that it joins: edges with a common corner meet there.
     pub ends: [usize; 2],
-    /// What is filled on its left and on its right.
+    /// The faces filled on its left and on its right.
     pub faces: [Option<usize>; 2],
 }
 
@@ -49,7 +49,7 @@ impl Rib {
         self.ends.iter().any(|end| other.ends.contains(end))
     }
 
-    /// Angle by which the direction from p turns along it, with a face on the left; zero where it is no boundary of that.
+    /// Angle by which the direction from p turns along it, with a face on the left; zero if it does not border that face.
     pub fn winding(&self, face: usize, p: Point<2>) -> f64 {
         match self.faces.map(|own| own == Some(face)) {
             [true, false] => self.curve.winding(p),
@@ -65,7 +65,7 @@ pub(crate) struct Divided {
     pub middles: Vec<Point<2>>,
 }
 
-/// What limits the size everywhere.
+/// Limits of the size everywhere.
 pub(crate) struct Sizes<'a> {
     pub largest: f64,
     pub growth: f64,
@@ -84,7 +84,7 @@ impl Sizes<'_> {
 impl Sizes<'_> {
     /// Refuses faces (number, area, largest size) in which the sizes ask for more corners of cells than [`MOST_VERTICES`].
     ///
-    /// About the number that the sizes of the faces and of the points of refinement ask for at least.
+    /// A rough lower bound from the sizes of the faces and of the points of refinement.
     pub fn few_enough(&self, ribs: &[Rib], faces: &[(usize, f64, f64)]) -> Result<(), MeshError> {
         // Each corner of equilateral triangles has √3/2 h² of the area.
         let corners = |area: f64, size: f64| 2.0 / 3.0_f64.sqrt() * area / (size * size);
@@ -170,7 +170,7 @@ fn own_size(rib: &Rib) -> f64 {
     length / whole(length / size)
 }
 
-/// The number of pieces for a number that need not be whole; rounding does not make one more.
+/// The number of pieces for a real number; rounding does not add a piece.
 fn whole(pieces: f64) -> f64 {
     (pieces - 1e-6).ceil().max(1.0)
 }
@@ -180,8 +180,8 @@ fn box_distance(x: Point<2>, (low, high): (Point<2>, Point<2>)) -> f64 {
     outside(0).hypot(outside(1))
 }
 
-/// Samples of h so close that it changes little between them; `wanted` is told what is filled on the left and right of
-/// the curve.
+/// Samples of h so close that it changes little between them; `wanted` gets the faces filled on the left and right of the
+/// curve.
 fn profile(
     rib: &Rib,
     wanted: impl Fn(&Curve, f64, [bool; 2]) -> f64,

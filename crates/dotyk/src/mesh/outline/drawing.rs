@@ -1,4 +1,4 @@
-//! From what a user says of an outline to curves: checked, closed, apart from each other, each with the body on its left.
+//! From the user's outline to curves: checked, closed, disjoint, each with the body on its left.
 
 use crate::geometry::{Point, add_scaled, bounding_box, distance, sub, unit};
 use crate::mesh::outline::curve::{Curve, cross};
@@ -10,16 +10,16 @@ use crate::mesh::outline::nouns::{
 use crate::mesh::{CellKind, MeshError};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Below this share of the diameter two points are one.
+/// Two points nearer than this share of the diameter coincide.
 pub(crate) const SAME: f64 = 1e-9;
 
-/// How much the two radii of an arc that is given by its centre may differ, relatively.
+/// Largest relative difference of the two radii of an arc given by its centre.
 const SAME_RADIUS: f64 = 1e-6;
 
-/// Magnitudes of coordinates and diameters whose squares are still numbers.
+/// Magnitudes of coordinates and diameters whose squares are finite and not zero.
 const MAGNITUDES: [f64; 2] = [1e-100, 1e100];
 
-/// A curve of a contour, before it is known which ones meet.
+/// A curve of a contour, before the meeting points are known.
 #[derive(Clone)]
 pub(crate) struct Drawn {
     pub curve: Curve,
@@ -72,7 +72,7 @@ impl Curves {
         Ok(curves)
     }
 
-    /// Takes over the curves of a contour, in the opposite direction where they are to `turn`.
+    /// Adds the curves of a contour, in the opposite direction with `turn`.
     fn add_path(&mut self, path: &[Drawn], turn: bool, largest: f64) {
         // The corner of a path where its k-th edge begins has the number of that edge.
         let first = self.ribs.len();
@@ -106,7 +106,7 @@ impl Curves {
 
 /// Lower corner and diagonal of the box around some curves.
 ///
-/// Errors: a diagonal whose square is no number.
+/// Errors: a diagonal whose square is not finite.
 pub(crate) fn extent<'d>(
     drawn: impl Iterator<Item = &'d Drawn> + Clone,
 ) -> Result<(Point<2>, f64), MeshError> {
@@ -122,7 +122,7 @@ pub(crate) fn extent<'d>(
     Err(place.unwrap_or_default().error(problem))
 }
 
-/// Size and number of pieces that a division asks for.
+/// Size and number of pieces of a division.
 pub(crate) fn wanted(division: Option<Division>, largest: f64) -> (f64, Option<usize>) {
     match division {
         Some(Division::Size(size)) => (size, None),
@@ -418,7 +418,7 @@ fn separate(paths: &[Vec<Drawn>], diameter: f64) -> Result<(), MeshError> {
             if path == other && (l + 1) % count == k {
                 corners.push(b.curve.end);
             }
-            // What happens within a thousandth of an edge from a corner is rounding of a tangent arc.
+            // Intersections within a thousandth of an edge from a corner are rounding of a tangent arc.
             let margin = 1e-3 * a.curve.length().min(b.curve.length());
             let approach = a.curve.approach(&b.curve, &corners, margin);
             if let Some((gap, at)) = approach.filter(|(gap, _)| *gap <= near) {

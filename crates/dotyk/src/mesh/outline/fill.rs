@@ -4,7 +4,7 @@
 //! 2. A front: beside an edge that has a good triangle on its other side, or belongs to the boundary, a node is put on the
 //!    perpendicular bisector so that the new triangle has the wanted circumradius h/√3, but not beyond the present
 //!    circumcentre (S. Rebay, J. Comput. Phys. 106 (1993) 125-138, as described in the documentation of Gmsh).
-//! 3. Circumcentres of what has an angle below 30° (as described by J. R. Shewchuk, Comput. Geom. 22 (2002) 21-74);
+//! 3. Circumcentres of triangles with an angle below 30° (as described by J. R. Shewchuk, Comput. Geom. 22 (2002) 21-74);
 //!    where one would come too near to a piece of the boundary, the triangle stays.
 //! 4. Nodes move towards the weighted centroid of their triangles where that does not worsen the worst angle around
 //!    them, and the triangulation is made anew: both steps can only raise the smallest angle.
@@ -32,7 +32,7 @@ const ROUNDS: usize = 4;
 /// Coordinates below this are zero to the triangulation, which refuses them.
 const TINY: f64 = 1e-40;
 
-/// Why there are no triangles; indices of pieces.
+/// Why the filling failed; indices of pieces.
 pub(crate) enum Unfilled {
     /// Two pieces cross, or a node of one lies on the other.
     Meet(usize, usize),
@@ -130,11 +130,11 @@ impl PartialOrd for Waiting {
     }
 }
 
-/// What a new node would replace.
+/// The cavity of a new node.
 struct Cavity {
     /// Wanted size there.
     size: f64,
-    /// The node would see a piece of the boundary under more than 90°.
+    /// A piece of the boundary subtends more than 90° at the node.
     encroaches: bool,
     /// Distance to the nearest node around.
     clearance: f64,
@@ -237,7 +237,7 @@ impl<'a> Fill<'a> {
         Ok(edges.collect())
     }
 
-    /// Everything that is reached from the left of the pieces without crossing one.
+    /// All faces reached from the left of the pieces without crossing one.
     fn mark_inside(&mut self, pieces: Vec<FixedDirectedEdgeHandle>) {
         let faces = self.triangulation.num_all_faces();
         self.inside = vec![false; faces];
@@ -380,7 +380,7 @@ impl<'a> Fill<'a> {
         add_scaled(middle, height, normal)
     }
 
-    /// What a node at a place near a triangle would meet; `None` where it cannot stand.
+    /// The cavity of a node at a place near a triangle; `None` where a node is impossible.
     fn cavity(&self, near: Face, place: Point<2>) -> Option<Cavity> {
         if !place.iter().all(|c| c.is_finite()) {
             // The circumcentre of a triangle that is flat to rounding.

@@ -1,7 +1,7 @@
-//! Divided curves as a net of pieces, what is between them filled, and bodies made of one or several such faces.
+//! Divided curves as a net of pieces, the filled faces between them, and bodies made of one or several such faces.
 //!
-//! Every curve is divided once, whatever lies on its two sides: faces that meet along it have the same nodes there, to the
-//! last bit. A face is filled for itself; a body of several faces has their common nodes once.
+//! Every curve is divided once for both of its sides: faces that meet along it have the same nodes there, to the last bit. Each
+//! face is filled separately; a body of several faces has their common nodes once.
 
 use crate::geometry::{Point, distance};
 use crate::mesh::outline::divide::{Rib, Sizes, divide};
@@ -57,7 +57,7 @@ impl Net {
             firsts.push(nodes.len() as u32);
             nodes.extend(&parts.nodes[1..parts.nodes.len() - 1]);
         }
-        // Where nothing begins, something ends.
+        // A corner where no piece begins is one where a piece ends.
         for (rib, parts) in ribs.iter().zip(&divided) {
             let end = &mut corner[rib.ends[1]];
             if end.is_none() {
@@ -83,7 +83,7 @@ impl Net {
         Some(Self { nodes, pieces })
     }
 
-    /// Triangles in a face between curves, which have these places in messages, of at most the largest of the sizes.
+    /// Triangles in a face between curves (with these places in messages), of at most the largest of the sizes.
     ///
     /// Errors: pieces of its boundary that cross or touch, naming their edges; too many nodes.
     pub fn fill(
@@ -129,8 +129,8 @@ impl Net {
         })
     }
 
-    /// The mesh of some filled faces, nodes of the net first; the cells of each face are a block. `sides` says which sides a
-    /// curve is a part of, beyond which there is that face or nothing.
+    /// The mesh of some filled faces, nodes of the net first; the cells of each face are a block. `sides` gives the sides of a curve,
+    /// by the face beyond it, if any.
     ///
     /// Errors: as [`Mesh::new`].
     pub fn mesh(
@@ -198,7 +198,7 @@ impl Net {
     }
 }
 
-/// What surrounds a face: the size at a node is the mean length of its pieces, where that is not too large.
+/// The boundary of a face: the size at a node is the mean length of its pieces, if that is not too large.
 fn boundary(nodes: Vec<Point<2>>, pieces: Vec<[u32; 2]>, largest: f64) -> Boundary {
     let mut sums = vec![(0.0, 0.0); nodes.len()];
     for piece in &pieces {

@@ -1,13 +1,13 @@
-//! What a user says of an outline or a drawing: contours or lines, their edges, and how fine the cells are.
+//! The user's outline or drawing: contours or lines, their edges, and sizes of the cells.
 
 use crate::geometry::Point;
 use crate::mesh::{CellKind, MeshError};
 use std::fmt;
 
-/// Most corners of cells: some hundred megabytes, and a size that was meant in another unit is reported in seconds.
+/// Most corners of cells: some hundred megabytes, so that a size in a wrong unit is reported within seconds.
 pub(crate) const MOST_VERTICES: usize = 2_000_000;
 
-/// An outline with what is needed to mesh it.
+/// An outline with the data for its mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     /// The outer path.
@@ -24,12 +24,12 @@ pub struct Outline {
     pub cell: CellKind,
 }
 
-/// A drawing: lines that meet, end and cross wherever they like, and the regions between them. Bodies are made of regions.
+/// A drawing: lines that may meet, end and cross anywhere, and the regions between them. Bodies are made of regions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
     /// Lines; a path need not close.
     pub lines: Vec<Contour>,
-    /// What is filled.
+    /// The filled regions.
     pub regions: Vec<Region>,
     /// Largest length of cell edges.
     pub size: f64,
@@ -88,7 +88,7 @@ pub struct OutlineEdge {
     pub division: Option<Division>,
 }
 
-/// How an edge runs to its end.
+/// Shape of an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum EdgeShape {
     /// Straight.
@@ -111,12 +111,12 @@ pub enum EdgeShape {
     },
 }
 
-/// How an edge is divided.
+/// Division of an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Division {
-    /// Into pieces of at most this length, shorter where something near is finer.
+    /// Into pieces of at most this length, shorter near finer parts.
     Size(f64),
-    /// Into this many equal pieces, whatever is near.
+    /// Into this many equal pieces, regardless of the neighbourhood.
     Cells(usize),
 }
 
@@ -186,7 +186,7 @@ impl fmt::Display for OutlinePlace {
 }
 
 impl OutlinePlace {
-    /// What is wrong at this place.
+    /// The error at this place.
     pub(crate) fn error(&self, problem: impl Into<String>) -> MeshError {
         let (place, problem) = (self.clone(), problem.into());
         match self.part {

@@ -1,13 +1,13 @@
-//! Lines that meet, end and cross wherever they like, as what they divide the plane into.
+//! The partition of the plane by lines that may meet, end and cross anywhere.
 //!
 //! 1. Every curve is cut at the corners: the ends of curves, and the points in which two of them meet. Parts of two curves that
 //!    coincide become one.
-//! 2. What leads nowhere is cut off: no end of a line borders anything beyond its last corner.
+//! 2. Dangling ends are cut off: the end of a line beyond its last corner borders no face.
 //! 3. Around each corner the curves have an order. Turning left as sharply as possible at every corner, a walk goes around a
 //!    face; one that encloses a negative area goes around a connected group of curves from outside, and belongs to the face
 //!    that this lies in.
 //!
-//! Points nearer than 1e-9 of the diameter of the drawing are one.
+//! Points nearer than 1e-9 of the diameter of the drawing coincide.
 
 use crate::geometry::{Point, bounding_box, distance, sub};
 use crate::mesh::MeshError;
@@ -18,10 +18,10 @@ use crate::mesh::outline::nouns::{Division, OutlinePart, OutlinePlace};
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Two ends nearer than this share of the diameter are meant to be one.
+/// Two ends nearer than this share of the diameter were meant to coincide.
 const TOO_NEAR: f64 = 1e-6;
 
-/// A line that ends so near to another one, beside its own length from the last corner, was meant to end there.
+/// A line that ends this near to another one, relative to its own length from the last corner, was meant to end there.
 const NEARLY: f64 = 1e-2;
 
 /// Sharpest corner of a region, in radians: one degree.
@@ -38,14 +38,14 @@ struct Cut {
     of: Vec<usize>,
 }
 
-/// What lines divide the plane into.
+/// The partition of the plane by lines.
 pub(crate) struct Partition {
     pub ribs: Vec<Rib>,
     /// The edges that they are parts of.
     pub places: Vec<OutlinePlace>,
     /// Names of these.
     pub names: Vec<Vec<String>>,
-    /// Area of each bounded face, without what lies in it.
+    /// Area of each bounded face, without the faces inside it.
     pub areas: Vec<f64>,
     low: Point<2>,
     diameter: f64,
@@ -63,8 +63,8 @@ struct Cycle {
 impl Partition {
     /// The faces of lines of a drawing whose size is `largest`.
     ///
-    /// Errors, each naming edges: lines that lead nowhere, ends that nearly meet, numbers of cells of edges that others
-    /// divide, no face at all.
+    /// Errors, each naming edges: dangling lines, ends that nearly meet, numbers of cells of edges that others divide, no face at
+    /// all.
     pub fn of(drawn: &[Drawn], largest: f64) -> Result<Self, MeshError> {
         let (low, diameter) = extent(drawn.iter())?;
         let corners = corners(drawn, SAME * diameter);
@@ -127,7 +127,7 @@ impl Partition {
     /// Leaves the curves of these faces alone; they get the numbers of their places in the list. Curves of one that meet
     /// sharply are divided finely enough that their pieces do not cross.
     ///
-    /// Errors: corners that are too sharp; a narrow face that is none of these and was not meant to be.
+    /// Errors: corners that are too sharp; an unintended narrow face that is not one of these.
     pub fn keep(&mut self, faces: &[usize]) -> Result<(), MeshError> {
         self.refuse_slivers(faces)?;
         let number = |face: Option<usize>| faces.iter().position(|&f| Some(f) == face);
@@ -258,7 +258,7 @@ impl Partition {
         }
     }
 
-    /// Refuses narrow faces that no region is to be: edges that nearly coincide.
+    /// Refuses narrow faces outside of all regions: edges that nearly coincide.
     fn refuse_slivers(&self, faces: &[usize]) -> Result<(), MeshError> {
         for (face, &area) in self.areas.iter().enumerate() {
             let mut around: Vec<usize> = (0..self.ribs.len())
@@ -399,7 +399,7 @@ fn cut(drawn: &[Drawn], corners: &[Point<2>], diameter: f64) -> Result<Vec<Cut>,
             let [from, to] = [pair[0], pair[1]];
             let ends = [from.1, to.1];
             let places = ends.map(|end| corners[end]);
-            // Ends of the curve are at 0 and 1 whatever rounding makes of them.
+            // Ends of the curve are at exactly 0 and 1, without rounding.
             let first = if from.1 == on[0].1 { 0.0 } else { from.0 };
             let last = if to.1 == on[on.len() - 1].1 {
                 1.0
@@ -437,7 +437,7 @@ fn cut(drawn: &[Drawn], corners: &[Point<2>], diameter: f64) -> Result<Vec<Cut>,
 }
 
 impl Drawn {
-    /// Takes over the names of another one that coincides, and its cells where they are finer.
+    /// Adds the names of another curve that coincides, and takes its cells if they are finer.
     fn join(&mut self, other: &Self) {
         for name in &other.names {
             if !self.names.contains(name) {
@@ -456,9 +456,9 @@ impl Drawn {
     }
 }
 
-/// What is left when ends that lead nowhere are cut off, again and again.
+/// The curves that remain after dangling ends are cut off repeatedly.
 ///
-/// Errors: an edge of which nothing would be left, or a line that ends just before another one.
+/// Errors: an edge that would vanish, or a line that ends just before another one.
 fn trimmed(cuts: Vec<Cut>, drawn: &[Drawn], diameter: f64) -> Result<Vec<Cut>, MeshError> {
     let mut left: Vec<bool> = vec![true; cuts.len()];
     loop {
@@ -481,7 +481,7 @@ fn trimmed(cuts: Vec<Cut>, drawn: &[Drawn], diameter: f64) -> Result<Vec<Cut>, M
         let curve = cut.drawn.curve;
         let end = [curve.start, curve.end][loose(cut).unwrap_or_default()];
         let others = cuts.iter().enumerate().filter(|&(k, _)| k != next);
-        // Beside a corner that it shares with others its distance to them says nothing.
+        // Near a common corner the distance to other curves is meaningless.
         let apart = others.filter(|(_, other)| !other.ends.iter().any(|e| cut.ends.contains(e)));
         let nearest =
             apart.map(|(_, other)| (distance(other.drawn.curve.nearest(end), end), other));

@@ -1,7 +1,7 @@
 //! The regions of a drawing, filled, and the bodies that are made of them.
 //!
-//! A facet of a body belongs to the sides named by its line, and to the side that is called like the region beyond it. What has
-//! neither is of the side `outline`.
+//! A facet of a body belongs to the sides named by its line, and to the side named like the region beyond it. A facet with neither
+//! belongs to the side `outline`.
 
 use crate::mesh::outline::divide::{Rib, Sizes};
 use crate::mesh::outline::drawing::{check_division, check_values, extent};
@@ -27,13 +27,13 @@ pub struct Regions {
 }
 
 impl Drawing {
-    /// Fills all regions. Lines may meet, cross and coincide; what sticks out beyond the last crossing is cut off. What no
-    /// region names stays empty.
+    /// Fills all regions. Lines may meet, cross and coincide; ends beyond the last crossing are cut off. Faces without a region
+    /// stay empty.
     ///
-    /// Errors, each naming line, edge or region: numbers that are not finite, arcs that do not exist; lines that lead nowhere
+    /// Errors, each naming line, edge or region: numbers that are not finite, arcs that do not exist; lines that dangle
     /// or nearly coincide; corners below one degree; regions without a point, with a point outside of all lines or on one, of
     /// the name of another region or a line, or not separated from another; sizes that are not positive, or exceed that of the
-    /// drawing; a kind of cell that is no triangle; more than two million corners of cells.
+    /// drawing; a kind of cell that is not a triangle; more than two million corners of cells.
     pub fn build(&self) -> Result<Regions, MeshError> {
         check_values(self.size, self.growth, &self.refine, self.cell)?;
         let mut drawn = Vec::new();
@@ -190,7 +190,7 @@ impl Regions {
     /// The mesh of a body made of some regions: cells are in groups of their names, nodes on lines first. Along a line that
     /// it shares with another body both have the same nodes.
     ///
-    /// Errors: an unknown region, none.
+    /// Errors: an unknown region, an empty list.
     pub fn mesh(&self, regions: &[&str]) -> Result<Mesh<2>, MeshError> {
         if let Some(unknown) = regions
             .iter()

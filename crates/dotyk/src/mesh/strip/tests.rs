@@ -1,4 +1,4 @@
-//! Middle lines and cuts of beams, rings, steps, corners and wedges on grids and free meshes, against what one would draw.
+//! Middle lines and cuts of beams, rings, steps, corners and wedges on grids and free meshes, against hand drawings.
 
 use super::*;
 use crate::mesh::{CellKind, Contour, Diagonals, Division, Outline, OutlineEdge, Rectangle, Ring};
