@@ -1,7 +1,7 @@
-//! `dotyk verify --book`: what was verified as pages of Markdown, one for each folder of cases, and a table of all of them.
+//! `dotyk verify --book`: the results as pages of Markdown, one for each folder of cases, and a table of all folders.
 //!
-//! A folder of the book is called as the folder of the cases; it holds the page `index.md` with its pictures and copies of
-//! the case files, and appears whole or not at all. Pages tell no times: the same program writes the same bytes.
+//! A folder of the book has the name of the folder of the cases; it holds the page `index.md` with its pictures and copies of
+//! //! the case files, and appears whole or not at all. Pages contain no times: the same program writes the same bytes.
 
 use crate::failure::Failure;
 use crate::text::number;
@@ -16,10 +16,10 @@ use std::path::Path;
 /// Name of the page of a folder, and of the table of all folders.
 const PAGE: &str = "index.md";
 
-/// The text of a folder that its page begins with.
+/// The text of a folder, with which its page begins.
 const README: &str = "README.md";
 
-/// Titles of figures of the report that no page shows: the first tells of the solver, the second moves.
+/// Titles of figures of the report that no page shows: the first describes the solver, the second is animated.
 const LEFT_OUT: [&str; 2] = ["Convergence", "View that turns"];
 
 /// A picture of a page.
@@ -31,7 +31,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// The drawing of a figure of the report; `None` of one that moves.
+    /// The drawing of a figure of the report; `None` for one that no page shows.
     pub fn of((title, html): (String, String)) -> Option<Self> {
         let (begin, end) = (html.find("<svg")?, html.rfind("</svg>")?);
         let (_, caption) = html.split_once(".</b>")?;
@@ -44,7 +44,7 @@ impl Picture {
     }
 }
 
-/// What was found in a folder.
+/// The results of a folder.
 pub struct Found<'a> {
     pub folder: &'a Folder,
     /// In the order of the cases; `None` where a case was refused.
@@ -53,17 +53,17 @@ pub struct Found<'a> {
     pub tally: &'a Tally,
 }
 
-/// A book that is being written.
+/// A book during writing.
 pub struct Book {
     stage: Stage,
-    /// Of all folders that it will have.
+    /// Names of all folders that the book will have.
     names: Vec<String>,
-    /// Of the table of all folders.
+    /// Rows of the table of all folders.
     rows: Vec<String>,
 }
 
 impl Book {
-    /// A book with a page for each of these folders, whose files are seen when it is closed.
+    /// A book with a page for each of these folders; its files become visible when it is closed.
     pub fn new(dir: &Path, folders: &[Folder]) -> Result<Self, Failure> {
         let names = names_of(folders)?;
         let cases = folders.iter().flat_map(|folder| &folder.cases);
@@ -103,7 +103,7 @@ impl Book {
         Ok(())
     }
 
-    /// Writes the table of all folders; `summary` is what was found in all of them.
+    /// Writes the table of all folders; `summary` holds the totals over all of them.
     pub fn close(mut self, summary: &str) -> Result<(), Failure> {
         let mut page = format!("# Verification\n\n{}\n\n", begun(summary));
         page += "Each folder of cases is an example, an input file and a test. Its page has the problem, pictures, every \
@@ -137,7 +137,7 @@ fn linked(names: &[String], problem: &Problem, folder: &Path) -> String {
     out + rest
 }
 
-/// Where a link of a folder's text leads in the book.
+/// The target in the book of a link in a folder's text.
 fn target(names: &[String], target: &str, folder: &Path) -> Option<String> {
     if ["https://", "http://", "#"]
         .iter()
@@ -161,12 +161,12 @@ pub fn pictured(folder: &Folder) -> Option<String> {
     first.cloned()
 }
 
-/// A character that means the same in names of files, links, Markdown and HTML.
+/// A character without a special meaning in names of files, links, Markdown and HTML.
 fn is_plain(c: char) -> bool {
     c.is_alphanumeric() || "-_.".contains(c)
 }
 
-/// Names of folders for folders of their own: no two are one, on no system.
+/// Names of output folders, one for each folder: they stay distinct on every system.
 pub fn names_of(folders: &[Folder]) -> Result<Vec<String>, Failure> {
     let names = folders.iter().map(|folder| name_of(&folder.path));
     let names = names.collect::<Result<Vec<_>, _>>()?;
@@ -182,14 +182,14 @@ pub fn names_of(folders: &[Folder]) -> Result<Vec<String>, Failure> {
     Ok(names)
 }
 
-/// The name of a folder, whatever it was called by.
+/// The name of a folder, whatever path it was given by.
 pub fn name_of(path: &Path) -> Result<String, Failure> {
     let whole = path.canonicalize().map_err(|e| Failure::of(path, e))?;
     let name = whole.file_name().unwrap_or_default();
     Ok(name.to_string_lossy().into_owned())
 }
 
-/// What a folder says of its problem.
+/// Title and statement of the problem of a folder.
 struct Problem {
     title: String,
     /// Markdown without the title.
@@ -221,8 +221,8 @@ impl Problem {
     }
 }
 
-/// Markdown without what more than sets words: elements of HTML, and the directives and roles that makers of books obey, lose
-/// what they begin with. Addresses in angle brackets stay.
+/// Markdown that only sets words: the opening signs of HTML elements, directives and roles are broken, so that generators of
+/// /// books do not execute them. Addresses in angle brackets stay.
 fn plain(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for (at, c) in text.char_indices() {
@@ -246,7 +246,7 @@ fn plain(text: &str) -> String {
     out
 }
 
-/// Whether a text ends with a fence of these characters.
+/// Whether a text ends with a fence (three or more) of this character.
 fn opens(text: &str, fence: char) -> bool {
     text.chars().rev().take_while(|c| *c == fence).count() >= 3
 }
@@ -273,7 +273,7 @@ impl<'a> Link<'a> {
     }
 }
 
-/// Files of a folder that stand beside its page: its cases, and what its text has links to.
+/// Files of a folder that stand beside its page: its cases, and the files that its text links to.
 fn copied(folder: &Folder, text: &str) -> Vec<String> {
     let mut files: Vec<String> = folder.cases.iter().map(|(name, _)| name.clone()).collect();
     let mut rest = text;
@@ -344,7 +344,7 @@ fn pictures_of<'p>(
     text
 }
 
-/// Reference values with their verdicts, and below them where they come from.
+/// Reference values with their verdicts, and below them their sources.
 fn references(judged: &[Judged<'_>]) -> String {
     if judged.is_empty() {
         return String::new();
@@ -380,7 +380,7 @@ fn references(judged: &[Judged<'_>]) -> String {
     text + "\n"
 }
 
-/// The certificate of each case: the largest figures of its load steps beside their limits.
+/// The certificate of each case: the largest figures over its load steps beside their limits.
 fn certificates(found: &Found<'_>) -> String {
     let names: Vec<String> = Certificate::default()
         .figures()
@@ -431,7 +431,7 @@ fn certificates(found: &Found<'_>) -> String {
 fn worst<'c>(certificates: impl Iterator<Item = &'c Certificate>) -> [(f64, f64); 10] {
     certificates.fold([(0.0, f64::NAN); 10], |mut worst, certificate| {
         for (most, (_, figure)) in worst.iter_mut().zip(certificate.figures()) {
-            // what is no number is worse than any
+            // NaN counts as the worst value
             let larger = figure.relative.is_nan() || figure.relative > most.0;
             *most = (if larger { figure.relative } else { most.0 }, figure.limit);
         }
@@ -457,12 +457,12 @@ fn row(title: &str, name: &str, tally: &Tally) -> String {
     )
 }
 
-/// Words that Markdown takes as they are within a line, also in a table: neither markup nor HTML, formulas, roles or entities.
+/// Words escaped for a line or table of Markdown: nothing in them is markup, HTML, a formula, a role or an entity.
 fn escaped(words: &str) -> String {
     shielded(&words.replace('&', "&amp;"))
 }
 
-/// Words in which the entities of HTML mean what they do there, and all else means itself.
+/// Words in which entities of HTML keep their meaning and all other characters stand for themselves.
 fn shielded(words: &str) -> String {
     let mut out = String::with_capacity(words.len());
     for c in words.chars() {
@@ -479,7 +479,7 @@ fn of_book(error: output::Error) -> Failure {
     Failure::of_files(&error, "--book")
 }
 
-/// Words that begin a block, and no heading, list, directive, comment or target.
+/// Words escaped for the beginning of a block: they start no heading, list, directive, comment or target.
 fn begun(words: &str) -> String {
     let mut out = escaped(words.trim());
     let number = out.len() - out.trim_start_matches(|c: char| c.is_ascii_digit()).len();
@@ -490,7 +490,7 @@ fn begun(words: &str) -> String {
     out
 }
 
-/// A block of code that ends where its text does: its fence is longer than all backquotes beside each other in the text.
+/// A block of code: its fence is longer than every run of backquotes in the text, so that only the fence ends it.
 fn fenced(language: &str, text: &str) -> String {
     let longest = text.split(|c| c != '`').map(str::len).max();
     let fence = "`".repeat(3.max(longest.unwrap_or(0) + 1));

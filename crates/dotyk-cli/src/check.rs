@@ -29,7 +29,7 @@ pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
         };
         let mut check = case.model.check();
         case.warn_first(&mut check.warnings);
-        // errors are told below, where their place is
+        // errors are reported below, with their place
         let shown = Check {
             errors: Vec::new(),
             ..check.clone()

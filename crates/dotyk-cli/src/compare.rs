@@ -1,4 +1,4 @@
-//! `dotyk compare`: all solvers on one case, and iterations as a function of rho; of several load steps on the last.
+//! `dotyk compare`: all solvers on one case, and iterations as a function of rho; for several load steps on the last one.
 
 use crate::Outcome;
 use crate::failure::{Failure, warn};
@@ -84,12 +84,12 @@ pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
     report(&compared)
 }
 
-/// What came of all solvers.
+/// The results of all solvers.
 struct Compared {
     title: String,
     /// Number of load steps of the case.
     steps: usize,
-    /// Where files are asked for.
+    /// The output folder, if files are requested.
     folder: Option<Folder>,
     methods: Vec<ComparisonRow>,
     of_rho: Vec<ComparisonRow>,
@@ -205,7 +205,7 @@ mod tests {
         let rho = log_spaced((3.0, 3e6));
         assert_eq!((rho.len(), rho[0], rho[24]), (25, 3.0, 3e6));
         let ratio = 10f64.powf(0.25);
-        // a few roundings of exp and ln of numbers up to 15
+        // a few rounding errors of exp and ln of numbers up to 15
         assert!(rho.windows(2).all(|w| (w[1] / w[0] - ratio).abs() < 1e-13));
     }
 }

@@ -1,4 +1,4 @@
-//! `dotyk export`: the contact problem of a case for solvers elsewhere.
+//! `dotyk export`: the contact problem of a case for other solvers.
 
 use crate::Outcome;
 use crate::failure::{Failure, warn};
@@ -58,7 +58,7 @@ pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
             let error = output::Error::Unassembled { unknowns, most };
             return Err(Failure::of_output(error));
         }
-        // what has no answer here is worth another solver's while
+        // a problem that is not solved here may still interest another solver
         let answer = dual.solve(case.model.solver.method);
         if let Err(error) = &answer {
             warn(&[format!("the problem is written without an answer: {error}")]);
@@ -70,7 +70,7 @@ pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// What the problem is, in two lines.
+/// Title and size of the problem, in two lines.
 fn summary(title: &str, time: f64, problem: &DualProblem) -> String {
     let blocks = problem.admissible.blocks();
     let count = |law: &str| match blocks.iter().filter(|block| block.name() == law).count() {

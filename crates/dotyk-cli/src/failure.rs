@@ -28,12 +28,12 @@ impl Failure {
         Self::Message(format!("{}: {message}", path.display()))
     }
 
-    /// Files that could not be written where `--out` says.
+    /// Files that could not be written into the folder of `--out`.
     pub fn of_output(error: output::Error) -> Self {
         Self::of_files(&error, "--out")
     }
 
-    /// Files that could not be written where an option says: the library knows no options.
+    /// Files that could not be written into the folder of an option; the library does not know the options.
     pub fn of_files(error: &output::Error, option: &str) -> Self {
         let named = format!("another folder with {option}");
         Self::Message(error.to_string().replace("another folder", &named))
@@ -43,7 +43,7 @@ impl Failure {
     pub fn print(self) {
         let coloured = colours(&std::io::stderr());
         let rendered = self.rendered(coloured);
-        // Nobody is left to tell when standard error is closed.
+        // An error is ignored: standard error is closed.
         let _ = std::io::stderr().write_all(shown(&rendered, coloured).as_bytes());
     }
 
@@ -64,7 +64,7 @@ impl Failure {
 /// Most bytes of a line that is shown.
 const LONGEST: usize = 2000;
 
-/// The line of a mistake between its neighbours, underlined; nothing where the mistake has no place.
+/// The line of a mistake between its neighbours, underlined; an empty text for a mistake without a place.
 fn underlined(error: &CaseError, colours: bool) -> String {
     let (Some(line), Some(column), Some(span)) = (error.line(), error.column(), &error.span) else {
         return String::new();
@@ -80,7 +80,7 @@ fn underlined(error: &CaseError, colours: bool) -> String {
         .take_while(|(n, _)| *n <= line + 1)
     {
         if words.len() > LONGEST {
-            // the place has been told
+            // the heading already names the place
             continue;
         }
         // a tab takes one column here, as it does in the number of the column

@@ -1,4 +1,4 @@
-//! Command line of dotyk: arguments, progress and printing, nothing else. A library, so that other programs can bring it.
+//! Command line of dotyk: arguments, progress and printing, nothing else. A library, so that other programs can include it.
 //!
 //! Results go to standard output, progress and messages to standard error. Exit status: 0 done, with or without
 //! warnings; 1 not converged or not verified; 2 bad input.
@@ -75,11 +75,11 @@ enum Command {
 enum Outcome {
     Done,
     Unsatisfied,
-    /// Some input was refused, and has been said to be.
+    /// Some input was refused, and a message was printed.
     Refused,
 }
 
-/// Stack of the thread that a command runs on, in bytes: that of the process may be as small as whoever started it likes.
+/// Stack of the thread that a command runs on, in bytes: the main thread's stack may be too small, its size is set from outside.
 const STACK: usize = 16 << 20;
 
 /// Runs the command with its arguments, its own name the first of them, and returns the exit status.
@@ -88,7 +88,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let thread = std::thread::Builder::new().stack_size(STACK);
     match thread.spawn(move || of_arguments(&arguments)) {
-        // a panic has told what it has to say
+        // a panic has already printed its message
         Ok(command) => command.join().unwrap_or(101),
         Err(e) => status_of(Err(Failure::Message(format!("cannot start a thread: {e}")))),
     }
@@ -97,7 +97,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 fn of_arguments(arguments: &[OsString]) -> u8 {
     match Cli::try_parse_from(arguments) {
         Ok(cli) => status(cli.command),
-        // help and version are told this way, too
+        // help and version arrive as errors of the parser, too
         Err(told) => match tell(&told) {
             Ok(()) => u8::try_from(told.exit_code()).unwrap_or(2),
             Err(failure) => status_of(Err(failure)),
@@ -105,7 +105,7 @@ fn of_arguments(arguments: &[OsString]) -> u8 {
     }
 }
 
-/// Prints what the reader of the command line has to say.
+/// Prints a message of the parser of the command line.
 fn tell(told: &clap::Error) -> Result<(), Failure> {
     let to_errors = told.use_stderr();
     let coloured = match to_errors {
@@ -114,20 +114,20 @@ fn tell(told: &clap::Error) -> Result<(), Failure> {
     };
     let styled = told.render();
     let plain = styled.to_string();
-    // styles are not ours: beside words of strangers there are none
+    // the styles come from the parser: they are dropped where arguments contain control characters
     let words = match coloured && !plain.chars().any(text::commands) {
         true => styled.ansi().to_string(),
         false => text::shown(&plain, false).into_owned(),
     };
     if to_errors {
-        // nobody is left to tell when standard error is closed
+        // an error is ignored: standard error is closed
         let _ = std::io::stderr().write_all(words.as_bytes());
         return Ok(());
     }
     text::put(&words)
 }
 
-/// Starts the threads that a command is given, or as many as there are processors and room for; the rest of it needs none.
+/// Starts the threads that a command asks for, or as many as processors and memory allow. Commands that do not compute need none.
 fn start_threads(command: &Command) -> Result<(), Failure> {
     let wanted = match command {
         Command::Run(arguments) => arguments.threads,
@@ -137,7 +137,7 @@ fn start_threads(command: &Command) -> Result<(), Failure> {
     };
     let pool = dotyk::host::threads(wanted.map(usize::from)).map_err(Failure::Message)?;
     match pool.build_global() {
-        // a program that brings this one may have started its own
+        // a program that includes this one may have started its own threads
         Err(e) if wanted.is_some() || e.source().is_some() => {
             Err(Failure::Message(format!("cannot start threads: {e}")))
         }

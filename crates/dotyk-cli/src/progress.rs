@@ -8,17 +8,17 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// A line that tells the stage and the iteration, and one finished line for each stage.
+/// A line with the stage and the iteration, and one finished line for each stage.
 pub struct Progress {
     bar: ProgressBar,
     /// The load step before every message, where there are several.
     step: String,
     stage: Option<(&'static str, Instant)>,
-    /// The factorisation that goes on.
+    /// The factorisation in progress.
     factoring: Arc<Mutex<Option<Arc<Work>>>>,
 }
 
-/// A line that is drawn on terminals, unless it is to be quiet.
+/// A line that is drawn on terminals, unless `quiet`.
 fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
     let visible = !quiet && std::io::stderr().is_terminal();
     let target = if visible {
@@ -26,7 +26,7 @@ fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
     } else {
         ProgressDrawTarget::hidden()
     };
-    // both templates are right: their test draws them
+    // both templates are valid: a test draws them
     let style = ProgressStyle::with_template(match length {
         Some(_) => "  {msg}{wide_bar} {pos} of {len}, {eta} left",
         None => "  {wide_msg} {work} {elapsed}",
@@ -39,7 +39,7 @@ fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// How much of a factorisation is done, what it takes of memory, and how long it will take as it has gone so far.
+/// The finished share of a factorisation, the memory of its factors, and the remaining time at the present rate.
 fn share(work: &Work, elapsed: Duration) -> String {
     let bytes = work.bytes.load(Ordering::Relaxed) as f64;
     let size = match bytes < 1e9 {
@@ -59,7 +59,7 @@ fn share(work: &Work, elapsed: Duration) -> String {
     }
 }
 
-/// How many of a known number are done.
+/// A progress bar over a known number of items.
 pub struct Count {
     bar: ProgressBar,
 }
@@ -72,12 +72,12 @@ impl Count {
         }
     }
 
-    /// One more is done; from any thread.
+    /// Counts one more finished item; from any thread.
     pub fn one_more(&self) {
         self.bar.inc(1);
     }
 
-    /// Does what prints, while the line is away.
+    /// Prints while the line is hidden.
     pub fn aside<T>(&self, print: impl FnOnce() -> T) -> T {
         self.bar.suspend(print)
     }
@@ -97,7 +97,7 @@ impl Progress {
         let draw = move |state: &ProgressState, out: &mut dyn fmt::Write| {
             let work = looked_at.lock().ok().and_then(|work| work.clone());
             if let Some(work) = work {
-                // a line that cannot be drawn is no reason to stop
+                // the work goes on even if the line cannot be drawn
                 let _ = write!(out, "{}", share(&work, state.elapsed()));
             }
         };
@@ -142,7 +142,7 @@ impl Progress {
         }
     }
 
-    /// Clears the line: what follows on standard error starts afresh.
+    /// Clears the line: later output on standard error starts on an empty line.
     pub fn finish(mut self) {
         self.end_stage();
         self.bar.finish_and_clear();
@@ -177,7 +177,7 @@ mod tests {
         };
         let told = |seconds| share(&work, Duration::from_secs(seconds));
         assert_eq!(told(10), "25 %, about 30 s left, 5.1 GB of factors");
-        // what is over in a moment is not told
+        // a remaining time below one second is not shown
         assert_eq!(told(0), "25 %, 5.1 GB of factors");
         assert_eq!(
             share(&Work::default(), Duration::ZERO),

@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     let mut worst = Outcome::Done;
     for (case, folder) in arguments.cases.iter().zip(folders) {
         let outcome = run_case(arguments, case, folder).unwrap_or_else(|failure| {
-            // the other cases have nothing to do with it
+            // the other cases are independent of it
             failure.print();
             Outcome::Refused
         });
@@ -82,7 +82,7 @@ pub fn run(arguments: &Arguments) -> Result<Outcome, Failure> {
     Ok(worst)
 }
 
-/// Where the results of each case go; refused before any work.
+/// The output folder of each case; refusals come before any work.
 fn output_folders(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
     let stems: Vec<_> = arguments
         .cases
@@ -188,7 +188,7 @@ pub fn output_folder(given: Option<&Path>, stem: &str) -> Result<Folder, Failure
     Folder::hold(&folder).map_err(Failure::of_output)
 }
 
-/// Refuses cases whose folders cannot have their names, or are one on some systems.
+/// Refuses cases whose names cannot be names of folders, or coincide on some systems.
 fn check_stems(stems: &[Option<&OsStr>]) -> Result<(), Failure> {
     let names = stems.iter().flatten().map(|stem| stem.to_string_lossy());
     let names: Vec<_> = names.collect();
@@ -207,12 +207,12 @@ fn free_folder(folder: PathBuf) -> Result<PathBuf, Failure> {
     }
 }
 
-/// A force, or zero where it is rounding.
+/// A force, or zero if it is only rounding.
 fn force(scales: &Scales, value: f64) -> String {
     number(scales.without_noise(value, Dimension::Force))
 }
 
-/// The value of a probe, of a line the smallest and the largest.
+/// The value of a probe; for a line the smallest and the largest one.
 fn of_probe(scales: &Scales, probe: &ProbeValue) -> String {
     let shown = |value: f64| number(scales.without_noise(value, probe.dimension));
     if probe.line.is_empty() {
@@ -226,7 +226,7 @@ fn of_probe(scales: &Scales, probe: &ProbeValue) -> String {
     format!("{} .. {}", shown(low), shown(high))
 }
 
-/// The result lines: of several load steps a line each, and the last in full.
+/// The result lines: for several load steps one line each, and the last step in full.
 fn results<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
     let Some(last) = steps.last() else {
         return String::new();
@@ -345,7 +345,7 @@ fn contacts<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String 
     columns(&header, &rows, 1..header.len())
 }
 
-/// The points of couples; nothing where there are none.
+/// The points of couples; an empty text if no body has any.
 fn points<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     let scales = Scales::of(solution);
     let length = |value: f64| number(scales.without_noise(value, Dimension::Length));
@@ -383,7 +383,7 @@ fn points<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     columns(&header, &rows, 2..header.len())
 }
 
-/// The forces of bars; nothing where there are none.
+/// The forces of bars; an empty text without bars.
 fn bars<const D: usize>(solution: &Solution<D>) -> String {
     if solution.bars.is_empty() {
         return String::new();
@@ -434,7 +434,7 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     columns(&header, &rows, 1..3 + D) + &told.collect::<String>()
 }
 
-/// A line on a largest stress that only the mesh makes; nothing on one that the model has.
+/// A warning line if the largest stress of a body depends on the mesh (a singularity); `None` for a stress that the mesh resolves.
 fn singular_stress<const D: usize>(body: &BodySolution<D>) -> Option<String> {
     let peak = body.peak?;
     let singular = peak.place?;
@@ -520,7 +520,7 @@ fn probes_below<const D: usize>(steps: &[Solution<D>], last: &Solution<D>) -> St
     }
 }
 
-/// Two digits: the size of a violation matters, not its digits.
+/// Two digits: only the size of a violation matters.
 fn short(value: f64) -> String {
     if value == 0.0 {
         return "0".to_string();
@@ -528,7 +528,7 @@ fn short(value: f64) -> String {
     format!("{value:.1e}")
 }
 
-/// The figures of the certificate, the verdict, and the time; of several steps the largest of each figure.
+/// The figures of the certificate, the verdict, and the time; over several steps the largest value of each figure.
 fn verdict<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
     let Some(last) = steps.last() else {
         return String::new();

@@ -1,18 +1,18 @@
-//! A command that is told to end leaves nothing half done: what is being written is removed first. One that the runtime ends,
-//! for want of memory or stack, has an exit status like others; what it was writing is swept by the next run.
+//! Signals. A command that is asked to end removes its unfinished files first. A command that the runtime aborts, for want of
+//! //! memory or stack, has an ordinary exit status; the next run removes its unfinished files.
 
 #[cfg(unix)]
 use std::sync::{Arc, atomic::AtomicBool};
 
-/// Exit status of what is not done.
+/// Exit status of an aborted command.
 #[cfg(unix)]
 const REFUSED: i32 = 2;
 
-/// Watches for signals that end the process; those that whoever started it lets it ignore, as `nohup` does, stay ignored.
+/// Watches for signals that end the process. Signals that the process was started to ignore, as with `nohup`, stay ignored.
 #[cfg(unix)]
 pub fn watch() {
     use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM};
-    // memory that the system does not give, a stack that is full: the runtime has told it, and aborts
+    // out of memory, stack overflow: the runtime has printed its message, and aborts
     let always = Arc::new(AtomicBool::new(true));
     let _ = signal_hook::flag::register_conditional_shutdown(SIGABRT, REFUSED, always);
     let ignored = ignored();
@@ -23,7 +23,7 @@ pub fn watch() {
     let Ok(mut signals) = signal_hook::iterator::Signals::new(heard) else {
         return;
     };
-    // a system that gives no thread ends the process as it would without this
+    // without a thread, signals end the process as usual
     let _ = std::thread::Builder::new().spawn(move || {
         for signal in signals.forever() {
             dotyk::output::abandon();
@@ -35,7 +35,7 @@ pub fn watch() {
 #[cfg(not(unix))]
 pub fn watch() {}
 
-/// A bit for each signal that is ignored, the first for signal 1; none where the system does not tell.
+/// A bit for each ignored signal, the lowest for signal 1; zero if the system does not report them.
 #[cfg(unix)]
 fn ignored() -> u64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -97,7 +97,7 @@ fn at_equal_ratios(parameter: &mut Varied) -> Result<(), String> {
     }
     let count = parameter.values.len();
     for (k, exponent) in spaced([from.ln(), to.ln()], count).into_iter().enumerate() {
-        // the ends stay to the last digit
+        // the ends stay exact
         if k > 0 && k + 1 < count {
             parameter.values[k] = exponent.exp();
         }
@@ -106,7 +106,7 @@ fn at_equal_ratios(parameter: &mut Varied) -> Result<(), String> {
     Ok(())
 }
 
-/// What is varied, as the command line says.
+/// The varied parameters, from the command line.
 fn all_varied(arguments: &Arguments) -> Result<Vec<Varied>, String> {
     let mut varied = arguments.vary.clone();
     for k in 1..varied.len() {
@@ -171,14 +171,14 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
     })
 }
 
-/// The names [x, y] of what is drawn against each other; names may have colons.
+/// The names [x, y] of each pair to draw; names may contain colons.
 fn pairs<const D: usize>(
     plots: &[String],
     model: &Model<D>,
     varied: &[Varied],
 ) -> Result<Vec<[String; 2]>, String> {
     let probes = model.probes.iter().filter(|probe| !probe.is_line());
-    // a parameter may be measured in anything
+    // the unit of a parameter is unknown
     let probes = probes.map(|probe| (probe.name.as_str(), Some(probe.dimension())));
     let parameters = varied
         .iter()
@@ -230,7 +230,7 @@ fn say_what_is_no_column<const D: usize>(model: &Model<D>) {
     }
 }
 
-/// Name of a probe that another column of the table has, too.
+/// Name of a probe that is also the name of another column of the table.
 fn taken<'a, const D: usize>(model: &'a Model<D>, varied: &[Varied]) -> Option<&'a str> {
     let mut names = model.probes.iter().map(|probe| probe.name.as_str());
     let own = |name: &&str| {

@@ -7,16 +7,16 @@ use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Writes what a terminal may show to standard output.
+/// Writes a text to standard output without control characters for the terminal.
 ///
 /// Errors: as [`put`].
 pub fn print(text: &str) -> Result<(), Failure> {
     put(&shown(text, colours(&std::io::stdout())))
 }
 
-/// Writes words of ours to standard output as they are. A reader that closes the pipe early ends the output and is no error.
+/// Writes the program's own words to standard output unchanged. A reader that closes the pipe early ends the output without an error.
 ///
-/// Errors: anything else that keeps the text from whoever waits for it, such as a full disk.
+/// Errors: any other failure to write, such as a full disk.
 pub fn put(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let written = out.write_all(text.as_bytes());
@@ -28,11 +28,11 @@ pub fn put(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// What sets the colour of words, and what ends it: what a terminal finds to obey.
+/// The control sequences that begin and end coloured words.
 const COLOURS: [&str; 2] = ["\u{1b}[31m", "\u{1b}[0m"];
 
-/// Text in which a terminal finds nothing to obey but, where they are shown, our colours: titles and names of files may come from
-/// strangers. What is left out stands there in the way of JSON.
+/// Text whose control characters are escaped as in JSON, because titles and names of files are not trusted. Only the control
+/// /// sequences of [`COLOURS`] stay, if `coloured`.
 pub fn shown(text: &str, coloured: bool) -> Cow<'_, str> {
     if !text.chars().any(commands) {
         return Cow::Borrowed(text);
@@ -53,7 +53,7 @@ pub fn shown(text: &str, coloured: bool) -> Cow<'_, str> {
     Cow::Owned(out)
 }
 
-/// Characters that a terminal obeys, and those that turn the order of others round.
+/// Control characters of a terminal, and characters that change the direction of text.
 pub fn commands(c: char) -> bool {
     let turns =
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
@@ -79,7 +79,7 @@ pub fn vector(values: &[f64]) -> String {
     format!("({})", list.join(", "))
 }
 
-/// Six significant digits without trailing zeros; `-` where there is no number.
+/// Six significant digits without trailing zeros; `-` for NaN.
 pub fn number(value: f64) -> String {
     if value.is_nan() {
         return "-".to_string();
@@ -109,7 +109,7 @@ fn trimmed(number: &str) -> &str {
 }
 
 /// Columns two blanks apart; those in `right` are flush right. Ends with a newline. On a terminal that is too narrow, long
-/// cells go on in the line below.
+/// /// cells continue on the next line.
 pub fn columns(header: &[&str], rows: &[Vec<String>], right: Range<usize>) -> String {
     let size = console::Term::stdout().size_checked();
     columns_within(size.map(|(_, width)| width), header, rows, right)
@@ -153,7 +153,7 @@ fn columns_within(
 /// Most files of one kind that are named.
 const NAMED: usize = 8;
 
-/// "wrote FOLDER: a, b, c"; of many files of one kind the first, and how many more.
+/// "wrote FOLDER: a, b, c"; for many files of one kind the first, and the number of the others.
 pub fn named(files: &[PathBuf]) -> String {
     let Some(folder) = files.first().and_then(|file| file.parent()) else {
         return String::new();
@@ -213,7 +213,7 @@ mod tests {
                 "\\u001b[2J\\u001b]0;x\\u0007\\u000d",
             ),
             ("\u{9b}2J\u{202e}", "\\u009b2J\\u202e"),
-            // what would hide the words behind it
+            // a sequence that would hide the words after it
             ("\u{1b}[8mhidden\u{1b}[3", "\\u001b[8mhidden\\u001b[3"),
         ] {
             assert_eq!(shown(text, false), expected);

@@ -41,7 +41,7 @@ pub struct Folder {
     references: Option<References>,
 }
 
-/// What was found, in a folder or over all of them.
+/// Counts of the results, in a folder or over all of them.
 #[derive(Default)]
 pub struct Tally {
     pub cases: usize,
@@ -88,8 +88,8 @@ impl Tally {
     }
 }
 
-/// Reads everything, then solves everything: a mistake in the last folder shows before the first minute is spent. What is told
-/// comes in the order of the folders.
+/// Reads everything, then solves everything: a mistake in the last folder shows before the first minute is spent. Output
+/// /// follows the order of the folders.
 pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
     let folders = match arguments.folders.as_slice() {
         [] => default_folders()?,
@@ -148,7 +148,7 @@ fn default_folders() -> Result<Vec<PathBuf>, Failure> {
     Ok(folders)
 }
 
-/// What a folder holds, sorted by name.
+/// The entries of a folder, sorted by name.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let refused = |e| Failure::of(folder, e);
     let list = std::fs::read_dir(folder).map_err(refused)?;
@@ -200,18 +200,18 @@ fn read_folder(path: &Path) -> Result<Folder, Failure> {
     })
 }
 
-/// What of a run is compared, in either dimension.
+/// The part of a run that is compared, in either dimension.
 pub struct Solved {
-    /// Of the load steps that have an answer, and the last iterate of the one that did not converge.
+    /// The load steps that have an answer, and the last iterate of one that did not converge.
     pub steps: Vec<Step>,
     /// Number of load steps of the case.
     count: usize,
     certified: bool,
     /// Method, iterations, time and bolts.
     words: String,
-    /// Content of `summary.json`, where every step has an answer.
+    /// Content of `summary.json`, if every step has an answer.
     summary: Option<String>,
-    /// For the book, where they were asked for.
+    /// Pictures for the book, if requested.
     pub pictures: Vec<Picture>,
 }
 
@@ -223,7 +223,7 @@ pub struct Step {
 }
 
 impl Solved {
-    /// What is compared of a run, with its summary and these pictures of it.
+    /// The compared part of a run, with its summary and these pictures of it.
     fn of<const D: usize>(run: Run<D>, summary: Option<String>, pictures: Vec<Picture>) -> Self {
         let (words, certified) = (words(&run), run.certified());
         let steps = run.steps.into_iter().map(|step| Step {
@@ -260,14 +260,14 @@ fn words<const D: usize>(run: &Run<D>) -> String {
     )
 }
 
-/// What came of a case.
+/// The result of a case.
 struct Answer {
-    /// `None` where it was refused.
+    /// `None` if the case was refused.
     solved: Option<Solved>,
     told: Told,
 }
 
-/// What is to be told of a case on standard error.
+/// Messages about a case for standard error.
 enum Told {
     Warnings(Vec<String>),
     Refusal(CaseError),
@@ -282,10 +282,10 @@ impl Told {
     }
 }
 
-/// Most cases that are solved side by side: each may take the memory that is free.
+/// Most cases that are solved side by side: each of them may use all free memory.
 const TOGETHER: usize = 4;
 
-/// Solves the cases of all folders, several side by side, and gives away those of each folder, in the order of the folders.
+/// Solves the cases of all folders, several side by side, and passes the answers of each folder to `take`, in the order of the folders.
 fn solve_all(
     folders: &[Folder],
     pictured: bool,
@@ -305,20 +305,20 @@ fn solve_all(
             let answer = solve(&folder.path.join(name), read, drawn);
             count.one_more();
             if sender.send((k, case, answer)).is_err() {
-                // nobody waits for more
+                // the receiver has ended
                 break;
             }
         }
     };
     thread::scope(|scope| {
-        // threads of the pool would begin another case wherever they wait for a part of one
+        // threads of the pool would begin another case while they wait for a part of one
         for _ in 0..TOGETHER.min(rayon::current_num_threads()) {
             let thread = thread::Builder::new().stack_size(crate::STACK);
             let sender = sender.clone();
             let started = thread.spawn_scoped(scope, || work(sender));
             started.map_err(|e| Failure::Message(format!("cannot start a thread: {e}")))?;
         }
-        // what is left are those of the threads: without them nothing comes
+        // only the threads keep senders: the channel closes when they end
         drop(sender);
         let own = |folder: &Folder| folder.cases.iter().map(|_| None).collect();
         let mut answers: Vec<Vec<Option<Answer>>> = folders.iter().map(own).collect();
@@ -337,7 +337,7 @@ fn solve_all(
     })
 }
 
-/// Judges the answers of a folder, prints its table, what is outside in red, and writes its page and its summaries.
+/// Judges the answers of a folder, prints its table, values outside in red, and writes its page and its summaries.
 fn verify_folder(
     folder: &Folder,
     answers: Vec<Answer>,
@@ -394,7 +394,7 @@ fn verify_folder(
     Ok(tally)
 }
 
-/// Writes the summaries of a folder into one of its name.
+/// Writes the summaries of a folder into a folder of the same name.
 fn write_summaries(folder: &Folder, solved: &[Option<Solved>], dir: &Path) -> Result<(), Failure> {
     let of_summaries = |e: output::Error| Failure::of_files(&e, "--summaries");
     let held = output::Folder::hold(&dir.join(book::name_of(&folder.path)?));
@@ -412,7 +412,7 @@ fn write_summaries(folder: &Folder, solved: &[Option<Solved>], dir: &Path) -> Re
     Ok(())
 }
 
-/// The table of a folder, what is outside in red.
+/// The table of a folder, values outside in red.
 fn table(judged: &[Judged<'_>]) -> String {
     if judged.is_empty() {
         return String::new();
@@ -437,7 +437,7 @@ fn table(judged: &[Judged<'_>]) -> String {
         .collect()
 }
 
-/// The load steps as far as they went, with pictures where they are to be drawn.
+/// The load steps as far as they were solved, with pictures if requested.
 fn solve(path: &Path, case: &AnyCase, drawn: bool) -> Answer {
     of_any!(case, |case| {
         let run = case.run(&[], &mut |_| ());
@@ -468,7 +468,7 @@ fn solve(path: &Path, case: &AnyCase, drawn: bool) -> Answer {
     })
 }
 
-/// The bolts of the p,A-algorithm with their forces: compression says that the choice was proper.
+/// The bolts of the p,A-algorithm with their forces: compression in each shows that the choice was proper.
 fn bolts<const D: usize>(solution: &Solution<D>) -> String {
     let words = solution.solver.bolts.iter().map(|bolt| {
         let kind = if bolt.force < 0.0 {
@@ -489,11 +489,11 @@ fn judged_step<'s>(reference: &Reference, solved: Option<&'s Solved>) -> Option<
     solved.and_then(|s| reference.of(&s.steps, s.count))
 }
 
-/// A reference value beside what was computed, in words.
+/// A reference value beside the computed one, in words.
 pub struct Judged<'a> {
     pub reference: &'a Reference,
     label: String,
-    /// With its band.
+    /// The reference value with its band or tolerance.
     expected: String,
     computed: f64,
     difference: String,
@@ -520,8 +520,8 @@ impl Judged<'_> {
     }
 }
 
-/// Judges one value; `other` is the case that a percentage is taken against, where one is asked for.
-/// An answer without a certificate agrees with nothing.
+/// Judges one value; `other` is the case that a percentage refers to, if the reference is one.
+/// /// An answer that is not certified is outside every band.
 fn judged<'a>(
     reference: &'a Reference,
     solved: Option<&Solved>,
@@ -554,7 +554,7 @@ fn judged<'a>(
     let difference = match (difference.is_nan(), reference.value == 0.0) {
         (true, _) => "-".to_string(),
         (false, true) => format!("{:+.2e}", difference + 0.0),
-        // a percentage differs by percent of the compared number, not of itself
+        // for a percentage the difference is in percentage points
         (false, false) if other.is_some() => format!("{:+.4} points", computed - reference.value),
         (false, false) if difference.abs() < 1e-6 => format!("{:+.1e} %", 100.0 * difference),
         (false, false) => format!("{:+.4} %", 100.0 * difference),

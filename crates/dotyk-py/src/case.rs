@@ -29,7 +29,7 @@ pub(crate) use of_any;
 #[pyclass(frozen, module = "dotyk._dotyk")]
 pub struct Case {
     case: Arc<AnyCase>,
-    /// It stands in a file, whose places messages name.
+    /// Whether the case comes from a file, whose lines the messages name.
     file: bool,
     caller: Arc<Caller>,
     since: Instant,
@@ -41,7 +41,7 @@ type Parameter = (String, String);
 /// Tolerance, most iterations, and the step of methods that have one.
 type Limits = (Option<f64>, Option<usize>, Option<f64>);
 
-/// A callable, its place, its name, and how many components it gives.
+/// A callable, its place, its name, and its number of components.
 type Callable = (Py<PyAny>, String, String, Option<usize>);
 
 #[pymethods]
@@ -211,7 +211,7 @@ impl Case {
     }
 }
 
-/// An event as the callback is told it: stage, step, iteration, measure.
+/// An event as passed to the callback: stage, step, iteration, measure.
 fn told(py: Python<'_>, callback: &Py<PyAny>, event: &Event) -> PyResult<()> {
     let none = || py.None();
     let told = match event {
@@ -227,7 +227,7 @@ fn told(py: Python<'_>, callback: &Py<PyAny>, event: &Event) -> PyResult<()> {
     callback.call1(py, (told,)).map(|_| ())
 }
 
-/// What the caller says of the solver instead of the case.
+/// Settings of the solver by the caller, instead of those of the case.
 fn override_options<const D: usize>(
     py: Python<'_>,
     options: &mut SolverOptions<D>,
@@ -272,7 +272,7 @@ pub fn method_of(py: Python<'_>, name: &str) -> PyResult<Method> {
     })
 }
 
-/// Name, nodes and cells, resultant of the loads, held dofs, and what floats with what holds it.
+/// Name, nodes and cells, resultant of the loads, held dofs, and the rigid motions left with the contacts that hold them.
 type Found = (String, [usize; 2], Vec<f64>, usize, Vec<String>);
 
 /// What a check found.

@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 
-/// F is an array up to so many unknowns.
+/// F is given as an array up to this number of unknowns.
 const ARRAY: usize = 2000;
 
 /// λ and α as Python hands them over.
@@ -59,11 +59,11 @@ pub struct Problem {
     blocks: Vec<Law>,
     /// F by columns; `None` where it is too large for an array.
     compliance: Option<Vec<f64>>,
-    /// Where products with F are made as long as a solver of the user's own is asked.
+    /// Channel to the thread that multiplies by F, while a solver written in Python runs.
     products: Mutex<Option<Sender<Product>>>,
 }
 
-/// A vector, and where its product goes.
+/// A vector, and the channel for its product.
 type Product = (Vec<f64>, Sender<Vec<f64>>);
 
 #[pymethods]
@@ -135,7 +135,7 @@ impl Problem {
 /// Why there is no product.
 const OTHER_LENGTH: &str = "the vector has another length than F";
 
-/// F by columns, which are its rows.
+/// F by columns, which equal its rows.
 fn columns(problem: &DualProblem) -> Vec<f64> {
     let m = problem.len();
     let (mut all, mut unit) = (vec![0.0; m * m], vec![0.0; m]);
@@ -293,7 +293,7 @@ fn multipliers((lambda, alpha): &Forces<'_>) -> Multipliers {
     }
 }
 
-/// A run of one step, whatever its certificate says.
+/// A run of one step, converged or not.
 fn run_of<const D: usize>(
     recovered: Result<Solution<D>, Error<D>>,
 ) -> Result<dotyk::case::Run<D>, String> {
@@ -355,7 +355,7 @@ impl ContactSolver for Own {
                 self.work.ask(move |py| {
                     let copied = Py::new(py, copied)?;
                     let answer = callable.call1(py, (&copied,));
-                    // whoever keeps the problem can make no product any more
+                    // a problem that the user keeps gives no products any more
                     *locked(&copied.get().products) = None;
                     let answer = answer?;
                     let forces: Forces<'_> = answer.extract(py)?;
@@ -365,7 +365,7 @@ impl ContactSolver for Own {
             for (vector, reply) in asked {
                 let mut product = vec![0.0; vector.len()];
                 problem.compliance.apply(&vector, &mut product);
-                // nobody waits for it where the wait was ended
+                // an error is ignored: the wait may have ended
                 let _ = reply.send(product);
             }
             answer.join().ok().flatten()

@@ -21,13 +21,13 @@ pub fn input(py: Python<'_>, message: impl std::fmt::Display) -> PyErr {
     raised(py, "InputError", &message.to_string())
 }
 
-/// Bad input at a place of a text: of a file with line and column, of a model built in Python without.
+/// Bad input at a place of a text: with line and column for a file, without them for a model built in Python.
 pub fn of_case(py: Python<'_>, error: &CaseError, file: bool) -> PyErr {
     let mut text = match file {
         true => error.to_string(),
         false => error.message.clone(),
     };
-    // a label that names something says more than where it is
+    // a label that names a thing is better than its position
     if error.label.contains('`') {
         text = format!("{text}: {}", error.label);
     }

@@ -1,4 +1,4 @@
-//! Callables of the user as fields: asked with all points of a place at once, on the thread that waits.
+//! Callables of the user as fields: called with all points of a place at once, on the thread that waits.
 
 use crate::errors;
 use crate::mesh::rows;
@@ -9,17 +9,17 @@ use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// A callable `f(points, t)`, where it stands, and what it gives.
+/// A callable `f(points, t)`, its place, and the shape of its values.
 pub struct Function {
     /// Python's callable.
     pub callable: Py<PyAny>,
-    /// Where it stands, such as "body `rock`, load on `top`, traction".
+    /// Its place, such as "body `rock`, load on `top`, traction".
     pub place: String,
     /// Its name, for messages and reports.
     pub name: String,
-    /// Number of components; `None`: one number for each point.
+    /// Number of components; `None` for a scalar at each point.
     pub components: Option<usize>,
-    /// Coordinates of points.
+    /// Number of coordinates of a point.
     pub dimension: usize,
 }
 

@@ -1,6 +1,5 @@
-//! What of dotyk the Python package `dotyk` is made of. Its words, docstrings and types stand in the package itself; here is what
-//! needs the library: meshes, cases, runs and dual problems, exceptions with the library's texts, and the wait for work with the
-//! interpreter's lock free.
+//! The compiled part of the Python package `dotyk`: meshes, cases, runs and dual problems, exceptions with the library's texts, and
+//! //! the wait for work with the interpreter's lock free. Docstrings and types are in the package itself.
 
 mod case;
 mod dual;

@@ -157,7 +157,7 @@ impl Mesh {
 }
 
 impl Mesh {
-    /// A mesh that a case has made.
+    /// A mesh of a case.
     pub fn of_given(given: GivenMesh) -> Self {
         Self {
             given,

@@ -1,4 +1,4 @@
-//! What came of a case: numbers as arrays, the summary, pictures and files.
+//! The results of a case: numbers as arrays, the summary, pictures and files.
 
 use crate::case::of_any;
 use crate::errors;
@@ -22,7 +22,7 @@ pub enum AnyRun {
     Space(dotyk::case::Run<3>),
 }
 
-/// Load steps that were solved, and why there are no more.
+/// The solved load steps, and the reason if they end early.
 #[pyclass(frozen, module = "dotyk._dotyk")]
 pub struct Run {
     case: Arc<AnyCase>,
@@ -214,7 +214,7 @@ impl Clone for Run {
 }
 
 impl Run {
-    /// What came of a case; whether it stands in a file, and when its reading began.
+    /// The results of a case; whether it comes from a file, and when its reading began.
     pub fn new(
         case: Arc<AnyCase>,
         run: AnyRun,
@@ -277,7 +277,7 @@ fn body_arrays<'py, const D: usize>(
     let points = |list: &[[f64; D]]| rows(py, list.to_vec());
     dict.set_item("points", points(body.mesh.points())?)?;
     dict.set_item("shown", points(&answer.shown())?)?;
-    // at the nodes alone: on a border between materials that of the one that is stressed most
+    // values at the nodes: on a border between materials those of the material with the largest stress
     let stressed = answer.borders.largest(&answer.von_mises);
     let cells = PyDict::new(py);
     for field in answer.fields() {
@@ -340,7 +340,7 @@ fn contact_arrays<'py, const D: usize>(
     dict.set_item("weight", number(|n| n.weight))?;
     dict.set_item("gap", number(|n| n.gap))?;
     dict.set_item("pressure", number(|n| n.pressure))?;
-    // in the plane along the tangent of the side, which runs with the body on its left
+    // in the plane: components along the tangent of the side, which has the body on its left
     if D == 2 {
         let along = |v: &[f64; D], n: &[f64; D]| v[1] * n[0] - v[0] * n[1];
         let shear: Vec<f64> = nodes.iter().map(|n| along(&n.shear, &n.normal)).collect();

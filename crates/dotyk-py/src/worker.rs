@@ -1,8 +1,8 @@
-//! Work that the interpreter waits for without holding its lock: on a thread of its own, while the calling thread looks for signals
-//! and answers what the work asks of Python.
+//! Work that the interpreter waits for without holding its lock: it runs on a thread of its own, while the calling thread checks for
+//! //! signals and answers the calls of the work into Python.
 //!
 //! Callables are called on the thread that asked for the work, one at a time. An exception, Ctrl-C among them, ends the wait at
-//! once; the work unwinds at the next thing that it tells or asks. The next piece of work knows nothing of it.
+//! once; the work unwinds at its next event or call. The next piece of work is not affected.
 
 use crate::errors;
 use pyo3::prelude::*;
@@ -13,19 +13,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Builder;
 use std::time::Duration;
 
-/// How often signals are looked for.
+/// Interval between checks for signals.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Deep recursion of factorisations and of readers has room.
+/// Stack of the working thread, in bytes: factorisations and readers recurse deeply.
 const STACK: usize = 64 << 20;
 
-/// Something to do with the interpreter.
+/// A call that needs the interpreter.
 type Call = Box<dyn FnOnce(Python<'_>) + Send>;
 
-/// What the work unwinds with when nobody wants its result any more.
+/// Payload of the unwinding when the result is not wanted any more.
 struct Ended;
 
-/// What a mutex guards, also after a panic elsewhere.
+/// The contents of a mutex, also after a panic of another thread.
 pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -54,11 +54,11 @@ impl Work {
         let (reply, answer) = channel();
         let work = Arc::clone(self);
         let call: Call = Box::new(move |py| match call(py) {
-            // whoever asked may have gone
+            // an error is ignored: the receiver may have gone
             Ok(value) => drop(reply.send(value)),
             Err(error) => work.end(Some(error)),
         });
-        // nobody hears it where the wait is over
+        // fails if the wait is over
         locked(&self.calls).send(call).ok()?;
         answer.recv().ok()
     }
@@ -71,12 +71,12 @@ impl Work {
     }
 }
 
-/// Whom the functions of a case ask: the pieces of work that go on, each of which has somebody who waits.
+/// The running pieces of work, each with a thread that waits; the functions of a case call Python through one of them.
 #[derive(Default)]
 pub struct Caller(Mutex<Vec<Arc<Work>>>);
 
 impl Caller {
-    /// As [`Work::ask`] of the last piece of work that has an answer; `None` where none has.
+    /// [`Work::ask`] of the last piece of work that gives an answer; `None` if no piece does.
     pub fn ask<T: Send + 'static>(
         &self,
         call: impl FnOnce(Python<'_>) -> PyResult<T> + Clone + Send + 'static,
@@ -86,9 +86,9 @@ impl Caller {
     }
 }
 
-/// Does work on a thread of its own, with so many threads for its parallel parts, or one for each processor, and waits for it.
+/// Does work on a thread of its own, with `threads` threads for its parallel parts (or one for each processor), and waits for it.
 ///
-/// Errors: an exception of what the work asked for, of a signal handler; threads that cannot be started; a panic.
+/// Errors: an exception of a call by the work or of a signal handler; threads that cannot be started; a panic.
 pub fn wait<T: Send + 'static>(
     py: Python<'_>,
     caller: &Arc<Caller>,
@@ -106,12 +106,12 @@ pub fn wait<T: Send + 'static>(
     let shared = Arc::clone(&own);
     let all = move || {
         let result = catch_unwind(AssertUnwindSafe(|| {
-            // threads of its own: a process that is forked has none of those that its parent had
+            // an own pool: a forked process does not have the threads of its parent
             let pool = dotyk::host::threads(threads)?;
             let pool = pool.build().map_err(|error| error.to_string())?;
             Ok::<_, String>(pool.install(|| work(&shared)))
         }));
-        // whoever waits looks for it at once
+        // an empty call wakes the waiting thread
         let _ = done.send(result);
         let _ = locked(&shared.calls).send(Box::new(|_| ()));
     };
