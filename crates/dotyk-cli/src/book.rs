@@ -1,7 +1,7 @@
 //! `dotyk verify --book`: the results as pages of Markdown, one for each folder of cases, and a table of all folders.
 //!
 //! A folder of the book has the name of the folder of the cases; it holds the page `index.md` with its pictures and copies of
-//! //! the case files, and appears whole or not at all. Pages contain no times: the same program writes the same bytes.
+//! the case files, and appears whole or not at all. Pages contain no times: the same program writes the same bytes.
 
 use crate::failure::Failure;
 use crate::text::number;
@@ -222,7 +222,7 @@ impl Problem {
 }
 
 /// Markdown that only sets words: the opening signs of HTML elements, directives and roles are broken, so that generators of
-/// /// books do not execute them. Addresses in angle brackets stay.
+/// books do not execute them. Addresses in angle brackets stay.
 fn plain(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for (at, c) in text.char_indices() {

@@ -1,5 +1,5 @@
 //! Signals. A command that is asked to end removes its unfinished files first. A command that the runtime aborts, for want of
-//! //! memory or stack, has an ordinary exit status; the next run removes its unfinished files.
+//! memory or stack, has an ordinary exit status; the next run removes its unfinished files.
 
 #[cfg(unix)]
 use std::sync::{Arc, atomic::AtomicBool};

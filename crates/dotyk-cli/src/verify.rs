@@ -89,7 +89,7 @@ impl Tally {
 }
 
 /// Reads everything, then solves everything: a mistake in the last folder shows before the first minute is spent. Output
-/// /// follows the order of the folders.
+/// follows the order of the folders.
 pub fn verify(arguments: &Arguments) -> Result<Outcome, Failure> {
     let folders = match arguments.folders.as_slice() {
         [] => default_folders()?,
@@ -521,7 +521,7 @@ impl Judged<'_> {
 }
 
 /// Judges one value; `other` is the case that a percentage refers to, if the reference is one.
-/// /// An answer that is not certified is outside every band.
+/// An answer that is not certified is outside every band.
 fn judged<'a>(
     reference: &'a Reference,
     solved: Option<&Solved>,

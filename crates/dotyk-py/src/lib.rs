@@ -1,5 +1,5 @@
 //! The compiled part of the Python package `dotyk`: meshes, cases, runs and dual problems, exceptions with the library's texts, and
-//! //! the wait for work with the interpreter's lock free. Docstrings and types are in the package itself.
+//! the wait for work with the interpreter's lock free. Docstrings and types are in the package itself.
 
 mod case;
 mod dual;

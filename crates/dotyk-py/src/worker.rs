@@ -1,5 +1,5 @@
 //! Work that the interpreter waits for without holding its lock: it runs on a thread of its own, while the calling thread checks for
-//! //! signals and answers the calls of the work into Python.
+//! signals and answers the calls of the work into Python.
 //!
 //! Callables are called on the thread that asked for the work, one at a time. An exception, Ctrl-C among them, ends the wait at
 //! once; the work unwinds at its next event or call. The next piece of work is not affected.

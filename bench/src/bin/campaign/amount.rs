@@ -1,18 +1,18 @@
-//! Numbers that depend linearly on the place and somehow on the time: loads, prescribed displacements, gaps.
+//! Numbers that are linear functions of the place, times a function of time: loads, prescribed displacements, gaps.
 
 use crate::plane::rotation;
 use crate::vector::{applied, dot};
 
-/// How a term depends on the time t.
+/// The factor of a term as a function of the time t.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Time {
-    /// Not at all.
+    /// Constant.
     Always,
     /// a + b·t.
     Line(f64, f64),
     /// sin(ω·t + φ).
     Wave(f64, f64),
-    /// The same of a time that stands still from one time to another: ω, φ, from, to.
+    /// The same wave with a clock that stands still between two times: ω, φ, from, to.
     Rest(f64, f64, f64, f64),
 }
 
@@ -62,7 +62,7 @@ impl<const D: usize> Amount<D> {
         Self::new(constant, [0.0; D], time)
     }
 
-    /// The sum of two.
+    /// The sum of two numbers.
     pub fn and(mut self, other: Self) -> Self {
         self.0.extend(other.0);
         self
@@ -103,7 +103,7 @@ impl<const D: usize> Amount<D> {
         Self(self.0.iter().map(term).collect())
     }
 
-    /// As a case file has it: a number, or an expression in quotes.
+    /// In the form of a case file: a number, or an expression in quotes.
     pub fn text(&self) -> String {
         match &self.0[..] {
             [] => "0.0".to_string(),
@@ -151,7 +151,7 @@ pub fn vector_at<const D: usize>(field: &[Amount<D>; D], x: [f64; D], t: f64) ->
     field.each_ref().map(|component| component.at(x, t))
 }
 
-/// A vector field of the same vectors, turned and carried to other places: f·Q v(x) at lengths·Qx.
+/// A vector field with turned vectors at turned and scaled places: f·Q v(x) at lengths·Qx.
 pub fn moved_vector<const D: usize>(
     field: &[Amount<D>; D],
     factor: f64,

@@ -82,13 +82,13 @@ impl run::Problem<2> for Problem {
     }
 
     fn unique(&self, answer: &Answer, twin: &str) -> bool {
-        // where nothing ever moves displacements are rounding
+        // if nothing moves in any step, displacements are only rounding
         if (1..=self.times.len()).all(|step| self.idle.contains(&step)) {
             return false;
         }
-        // a history in other words is the same history
+        // these twins only rewrite the same history
         let same = matches!(twin, "no stage" | "resumed");
-        // perfect metal flows in more than one way
+        // plastic flow without hardening is not unique
         let metals = self
             .bodies
             .iter()

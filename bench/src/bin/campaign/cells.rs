@@ -1,4 +1,4 @@
-//! Reference cells, written down once more: shape functions and Gauss rules of the five cells of the plane.
+//! Reference cells, written independently of the program: shape functions and Gauss rules of the five cells of the plane.
 //!
 //! The reference triangle has the corners (0,0) (1,0) (0,1), the reference square is [−1,1]², the line [−1,1].
 //! Corners come first, then the middles of the edges 01 12 20 (01 12 23 30), then the centre. A facet lists its two
@@ -38,7 +38,7 @@ impl Cell for Kind {
         }
     }
 
-    /// Two ends, and the middle of a quadratic one.
+    /// Nodes of a facet: two ends, and the middle of a quadratic one.
     fn facet(self, local: usize) -> Vec<usize> {
         let corners = if self.triangle() { 3 } else { 4 };
         let mut nodes = vec![local, (local + 1) % corners];

@@ -1,4 +1,4 @@
-//! Is a certified answer right? Everything is computed anew from displacements, and shares nothing with the solver.
+//! Is a certified answer right? Everything is computed anew from displacements, without any code of the solver.
 //!
 //! For every step that the program calls converged:
 //!
@@ -8,11 +8,11 @@
 //! | equilibrium | internal − external force = 0 off contacts, in free directions | 1e-7 of the force scale, and 32 roundings of \|K\|\|u\| |
 //! | row force | where conditions hold node by node: that force = what the rows say | ten times the last |
 //! | row sum | else: resultant of the rows = resultant of the forces on either side | the same; on curved sides the angle between facets, over which a row's normal varies |
-//! | act and react | forces of both sides sum to nothing, moments too | the same, no allowance for curves |
+//! | act and react | forces of both sides sum to zero, moments too | the same, no allowance for curves |
 //! | outside | no contact force at a node none of whose facets faces the other side | ten times the limit of equilibrium |
 //! | footprint | a sum of pushes (in the cone of friction) from points that face the other side has this resultant and moment | 1e-6 of Σ\|force\| times length; curved: see [`wrench`](crate::wrench) |
 //! | penetration | gap ≥ 0 at nodes with conditions of their own, at all nodes and points of straight linear sides | 1e-6 of the largest displacement |
-//! | overlap | gap ≥ 0 elsewhere, between nodes and for integrated conditions | what the mesh resolves, see [`resolution`], and two thirds of what the gap varies on a facet and its neighbours |
+//! | overlap | gap ≥ 0 elsewhere, between nodes and for integrated conditions | the resolution of the mesh, see [`resolution`], and two thirds of the variation of the gap on a facet and its neighbours |
 //! | jump | both components of the jump of a tie | like penetration and overlap |
 //! | tension | pressures ≥ 0; nodal forces push | 1e-7 of the force scale; on the other side of integrated conditions twice the largest push (force, with friction), since biorthogonal functions change sign |
 //! | open force | no pressure where the gap is open | like penetration and overlap |
@@ -24,12 +24,12 @@
 //! | obstacle | forces on an obstacle balance the force that moves it | ten times the limit of equilibrium |
 //! | normal | normals of the rows are those of the side, or minus the plane's | the angle between neighbouring facets, and 1e-6 |
 //! | gap, slip | the columns of rows node by node are those of the displacements | like penetration |
-//! | resultant | the resultant that the program tells is that of the forces on the nonmortar side | ten times the limit of equilibrium |
-//! | reaction | the reactions that the program tells are those of the displacements | the same |
-//! | stands in | no outline stands deeper in another one than at first | see [`overlap`](crate::overlap) |
+//! | resultant | the reported resultant is that of the forces on the nonmortar side | ten times the limit of equilibrium |
+//! | reaction | the reported reactions are those of the displacements | the same |
+//! | stands in | no outline penetrates another one deeper than in the undeformed state | see [`overlap`](crate::overlap) |
 //! | idle | nothing moves in a step in which nothing changes | like penetration |
 //! | section | N, V, M are those of the stresses and loads ahead of the cut | ten times the limit of equilibrium |
-//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-4, ten times the limit of equilibrium, and what the program tells that rounding leaves open |
+//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-4, ten times the limit of equilibrium, and the reported rounding of the force |
 
 use crate::cuts::check_sections;
 use crate::judgement::Judgement;
@@ -43,10 +43,10 @@ use crate::touch::Touch;
 use crate::wrench::check_wrenches;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A corner makes the pressure of a cell several times that of its neighbours: so many dents of a cell are allowed.
+/// Allowed gap in units of the dent of a cell: at a corner the pressure of a cell is several times that of its neighbours.
 const DENTS: f64 = 2.0;
 
-/// What is told of a node with a row that has no force.
+/// Words in a message for a node that has a row without a force.
 const DROPPED: &str = ", whose condition was dropped";
 
 /// Judges all steps of an answer.
@@ -131,13 +131,13 @@ fn with_lists(problem: &Problem, answer: &Answer) -> Answer {
     joined
 }
 
-/// What friction remembers of the step before.
+/// State of the step before, on which friction depends.
 pub struct Before {
     pub moves: Vec<Vec<Vector>>,
     pub obstacles: Vec<Vector>,
 }
 
-/// One step with everything that checks look at.
+/// One step with all data of the checks.
 pub struct View<'a> {
     pub problem: &'a Problem,
     pub answer: &'a Answer,
@@ -152,7 +152,7 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// How messages call a node; conditions of it that the program dropped are told.
+    /// The name of a node in messages, with a note if the program dropped conditions of it.
     pub fn node(&self, body: usize, node: usize) -> String {
         let [x, y] = self.answer.meshes[body].points[node];
         let lost = if self.lost(body, node) { DROPPED } else { "" };
@@ -197,7 +197,7 @@ impl View<'_> {
     }
 }
 
-/// What gaps between nodes, or of integrated conditions, may be on a mesh, facet by facet of the nonmortar side:
+/// The allowed overlap between nodes, or of integrated conditions, on each facet of the nonmortar side:
 ///
 /// ```text
 ///   DENTS·(p h/E' · (1 + (h/d)³) + sagitta) + rounding
@@ -240,7 +240,7 @@ pub fn resolution(view: &View<'_>, contact: usize) -> Vec<f64> {
     {
         sagitta = sagitta.max(longest * longest / (8.0 * radius));
     }
-    // where a side turns a corner one integrated condition looks two ways
+    // at a corner of a side one integrated condition covers two directions
     let dents = if touch.curve.corners {
         4.0 * DENTS
     } else {
@@ -256,7 +256,7 @@ pub fn resolution(view: &View<'_>, contact: usize) -> Vec<f64> {
     each.collect()
 }
 
-/// The reactions that the program tells, where no contact touches a supported node.
+/// The reported reactions, if no contact touches a supported node.
 fn check_reactions(judgement: &mut Judgement, view: &View<'_>) {
     let members = view.members();
     let axisymmetric = view.problem.analysis.axisymmetric();
@@ -264,7 +264,7 @@ fn check_reactions(judgement: &mut Judgement, view: &View<'_>) {
         if held.keys().any(|&node| members.contains_key(&(body, node))) {
             continue;
         }
-        // what beds exert counts as a reaction
+        // forces of beds count as reactions
         let (mut sum, mut limit) = (view.state.beds[body], 0.0);
         for (&node, axes) in held {
             let force = view.state.rest[body][node];
@@ -286,7 +286,7 @@ fn check_reactions(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Nothing moves in a step in which nothing changes.
+/// In a step without any change nothing moves.
 fn check_idle(judgement: &mut Judgement, view: &View<'_>, index: usize) {
     if !view.problem.idle.contains(&(index + 1)) {
         return;
@@ -346,7 +346,7 @@ fn check_equilibrium(judgement: &mut Judgement, view: &View<'_>) {
                         } else {
                             &touch.faced_other
                         };
-                        // what a corner meets between its faces lies before none of them
+                        // an obstacle that a corner meets between its faces lies before neither face
                         faced.contains(&node) || own && touch.met.contains(&node)
                     });
                     if !faces {
@@ -400,10 +400,10 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Normals of the rows; a support along an axis turns them into what it leaves free.
+/// Normals of the rows; a support along an axis turns them into the directions that it leaves free.
 fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     let touch = &view.touches[c];
-    // at a corner one row stands for two directions; integrated rows tell the side's own normal, not the plane's
+    // at a corner one row stands for two directions; integrated rows report the side's own normal, not the plane's
     if touch.curve.corners || (touch.other.is_none() && !touch.nodal) {
         return;
     }
@@ -429,16 +429,16 @@ fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     }
 }
 
-/// How much of its range a gap may overlap where its means vanish: one that bends over a facet, 1/2 − 6(x − 1/2)² on 0 ≤ x ≤ 1,
-/// has no mean with any linear function, is −1 at the ends and 1/2 in the middle.
+/// The largest overlap of a gap whose means vanish, in parts of its range: the parabola 1/2 − 6(x − 1/2)² on 0 ≤ x ≤ 1 is
+/// orthogonal to all linear functions, −1 at the ends and 1/2 in the middle.
 const AVERAGED: f64 = 2.0 / 3.0;
 
-/// How far gaps of a contact may be from what must hold.
+/// Largest violations of the gap conditions of a contact.
 pub struct Limits {
-    /// Where conditions hold point by point.
+    /// For conditions point by point.
     pub fine: f64,
-    /// Where they are integrated, on each facet: what the mesh resolves, and a part of what the gap varies on the facet
-    /// and its neighbours, over which it is averaged ([`AVERAGED`]).
+    /// For integrated conditions, on each facet: the resolution of the mesh, and a part ([`AVERAGED`]) of the variation of the gap on
+    /// the facet and its neighbours, over which it is averaged.
     pub coarse: Vec<f64>,
 }
 

@@ -21,7 +21,7 @@ pub fn distance<const N: usize>(columns: &[[f64; N]], b: [f64; N]) -> f64 {
         let Some(next) = candidates.max_by(|&i, &j| slope(i).total_cmp(&slope(j))) else {
             break;
         };
-        // more independent edges than there are rows are never needed
+        // the sum never needs more edges than rows
         if slope(next) <= tolerance || size(&rest) <= 1e-14 * size(&b) {
             break;
         }

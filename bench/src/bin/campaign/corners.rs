@@ -1,5 +1,5 @@
-//! Contact sides with sharp corners as several contacts, one for each smooth part: a corner has a row for each of its faces. Where it
-//! meets an obstacle between its faces it has one row, which stands for a row of each of them with the same pressure.
+//! Contact sides with sharp corners as several contacts, one for each smooth part: a corner has a row for each of its faces. A corner
+//! that meets an obstacle between its faces has one row, which stands for a row of each face with the same pressure.
 
 use crate::plane::{Vector, cross, dot, length, minus, times, unit};
 use crate::problem::{Against, Contact as Touching, Law, Pairing, Problem, Surface};
@@ -7,7 +7,7 @@ use crate::raw::{Answer, Contact, Mesh, Row};
 use crate::side::SHARP;
 use crate::touch::faces_obstacle;
 
-/// Between the name of a side and the number of its part.
+/// Separator between the name of a side and the number of its part.
 const MARK: char = '#';
 
 /// The name of the side that a part belongs to.
@@ -94,7 +94,7 @@ fn normal(mesh: &Mesh, facet: &[usize], node: usize) -> Vector {
     [y, -x]
 }
 
-/// The way from the sharp corner of a side to an obstacle that it meets between its faces, at a node; `None` where it meets none so.
+/// The direction from a sharp corner (a node) of a side to the obstacle that it meets between its faces; `None` for other nodes.
 pub fn met(contact: &Touching, mesh: &Mesh, side: &[Vec<usize>], node: usize) -> Option<Vector> {
     let Against::Obstacle { surface, .. } = &contact.against else {
         return None;
@@ -123,8 +123,8 @@ pub fn met(contact: &Touching, mesh: &Mesh, side: &[Vec<usize>], node: usize) ->
     (dot(a, b) <= SHARP && parts.iter().all(|&part| part > 1e-9)).then_some(way)
 }
 
-/// The part of a row at such a corner that a face of the side has: in proportion to its facets that face the obstacle, or to all
-/// where none does.
+/// The share of one face in the row of such a corner: in proportion to the lengths of its facets that face the obstacle, or of all
+/// its facets if no facet at the corner faces it.
 fn shared(
     surface: &Surface,
     mesh: &Mesh,
@@ -150,7 +150,7 @@ fn shared(
     (own > 0.0).then_some(Row { weight, ..*row })
 }
 
-/// Facets of a side, taken apart at sharp corners; empty where it has none.
+/// Facets of a side, divided at sharp corners; empty for a side without sharp corners.
 fn parts(mesh: &Mesh, side: &[Vec<usize>]) -> Vec<Vec<Vec<usize>>> {
     let mut part: Vec<usize> = (0..side.len()).collect();
     let mut sharp = false;

@@ -5,10 +5,10 @@
 //!   N = −Σ fₓ/t,   V = Σ f_y/t,   M = −Σ fₓ (y − y_c)/t        the first side above, s along x, t the thickness
 //! ```
 //!
-//! Of cuts along lines of the mesh, where no contact and no support but the cut's own acts on their nodes. At the far end it is
-//! the cells behind that tell, with the signs of what is ahead of them.
-//! The program spreads nodal forces of contacts over their sides by consistent tractions, which alternate and fade away beside what
-//! is pressed: so much of them is allowed (LEAK per facet between).
+//! For cuts along lines of the mesh whose nodes carry no contact and no support other than that of the cut. At the far end the
+//! force is computed from the cells behind the cut, with the opposite sign.
+//! The program spreads nodal forces of contacts over their sides by consistent tractions, which alternate and decay beside the
+//! pressed part: the decayed part is allowed (a factor LEAK per facet of distance).
 
 use crate::check::View;
 use crate::elastic::{bedded, external, internal};
@@ -16,10 +16,10 @@ use crate::judgement::Judgement;
 use crate::plane::{Vector, bounds, length, minus};
 use crate::raw::Mesh;
 
-/// By how much such tractions fade from one facet to the next, at least.
+/// Largest factor between such tractions of one facet and the next.
 const LEAK: f64 = 0.4;
 
-/// What may leak into a cut of the forces of contacts on a body.
+/// Largest part of the contact forces on a body that may leak into a cut.
 fn leak(view: &View<'_>, body: usize, at: f64) -> f64 {
     let mesh = &view.answer.meshes[body];
     let mut sum = 0.0;
@@ -34,7 +34,7 @@ fn leak(view: &View<'_>, body: usize, at: f64) -> f64 {
             };
             for &node in curve.around.keys() {
                 let between = (mesh.points[node][0] - at).abs() / curve.longest;
-                // of what supports exert nothing is spread
+                // forces of supports are not spread
                 let force = view.state.free(body, node, view.state.rest[body][node]);
                 sum += length(force) * LEAK.powf(between - 1.0);
             }
@@ -43,7 +43,7 @@ fn leak(view: &View<'_>, body: usize, at: f64) -> f64 {
     sum
 }
 
-/// The cells on one hand of a vertical line, with what their facets bear.
+/// The cells on one side of a vertical line, with the sides of the mesh on them.
 fn part(mesh: &Mesh, at: f64, ahead: bool) -> Mesh {
     let middle = |nodes: &[usize]| {
         nodes.iter().map(|&n| mesh.points[n][0]).sum::<f64>() / nodes.len() as f64

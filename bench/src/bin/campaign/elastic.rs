@@ -1,4 +1,4 @@
-//! Elasticity, written down once more: nodal forces of stresses and of loads, and what supports hold.
+//! Elasticity, written independently of the program: nodal forces of stresses and of loads, and the conditions of supports.
 //!
 //! ```text
 //!   internal force of node a   fₐ = ∫ σ(u)·∇Nₐ dV     with symmetry about an axis  fₐ,r += ∫ σ_θθ Nₐ/r dV, dV = 2πr dA
@@ -6,7 +6,7 @@
 //! ```
 //!
 //! Hooke's law by Young's modulus and Poisson's ratio, as textbooks write the matrices of plane strain, plane stress
-//! and axial symmetry. What internal and external forces leave is what supports and contacts exert on a node.
+//! and axial symmetry. The difference of internal and external force is the force of supports and contacts on a node.
 
 use crate::amount::vector_at;
 use crate::cells::{along, gauss};
@@ -20,8 +20,8 @@ use std::f64::consts::TAU;
 /// Nodal forces of the stresses of a body.
 pub struct Internal {
     pub forces: Vec<Vector>,
-    /// Σ|K||u| at each node: rounding of the displacements shows in the forces with this times 2⁻⁵³. No displacement counts
-    /// less than the least one asked for.
+    /// Σ|K||u| at each node: rounding of the displacements changes the forces by this times 2⁻⁵³. Displacements below `least` count
+    /// as `least`.
     pub magnitudes: Vec<f64>,
 }
 
@@ -56,7 +56,7 @@ fn hooke((e, v): (f64, f64), analysis: Analysis) -> [[f64; 4]; 4] {
     }
 }
 
-/// Thickness, or the way around the axis.
+/// Thickness, or the circumference around the axis.
 pub fn depth(body: &Body, analysis: Analysis, x: Vector) -> f64 {
     if analysis.axisymmetric() {
         TAU * x[0]
@@ -128,7 +128,7 @@ pub fn internal(
             _ => own,
         };
         let stiff = law.iter().flatten().fold(0.0, |s: f64, c| s.max(*c));
-        // a translation of the cell strains nothing: without it less is rounded
+        // the translation of the cell is removed: it causes no strain, only rounding
         let first = moves[nodes[0]];
         let largest = nodes
             .iter()
@@ -220,7 +220,7 @@ fn initial_at(body: &Body, x: Vector) -> [f64; 4] {
     })
 }
 
-/// What the initial stress does to the nodes: −∫ σ₀·∇N dV, as if it were a load.
+/// Nodal forces of the initial stress as a load: −∫ σ₀·∇N dV.
 fn resist_initial(mesh: &Mesh, body: &Body, analysis: Analysis, forces: &mut [Vector]) {
     for (cell, (kind, nodes)) in mesh.cells.iter().enumerate() {
         for (xi, weight) in kind.rule(analysis.axisymmetric()) {
@@ -310,7 +310,7 @@ pub fn nearest(mesh: &Mesh, point: Vector) -> usize {
         .unwrap_or(0)
 }
 
-/// All conditions of the supports of a body that are there from the first, at a time, and of the axis of revolution.
+/// All conditions, at a time, of the supports that a body has from the beginning, and of the axis of revolution.
 pub fn conditions(mesh: &Mesh, body: &Body, analysis: Analysis, t: f64) -> Vec<Condition> {
     let mut all = Vec::new();
     if analysis.axisymmetric() {
@@ -491,7 +491,7 @@ mod tests {
         }
     }
 
-    /// Inner nodes feel nothing under a constant stress, and the force on a boundary is stress times area.
+    /// Under a constant stress inner nodes have no force, and the force on a boundary is stress times area.
     #[test]
     fn a_constant_stress_is_a_patch() {
         for &kind in Kind::ALL {
@@ -518,7 +518,7 @@ mod tests {
                         top = plus(top, 1.0, *f);
                     }
                 }
-                // what the ends of the top would add is shared with the flanks: compare the inside of the top
+                // the end nodes of the top belong to the flanks, too: only its inner nodes are compared
                 let share = match kind.linear() {
                     true => 1.0,
                     false => 2.0 - 1.0 / 3.0,

@@ -6,7 +6,7 @@ use crate::problem::{
     Drive, Gap, Law, Load, Patch, Place, Surface, clamp, hold, moved, on, side, steps,
 };
 
-/// What the lowest block stands on.
+/// The support of the lowest block.
 fn ground(scene: &mut Scene, name: &str, y: f64, law: Law) {
     let surface = if scene.random.chance(0.5) {
         Surface::Plane {
@@ -45,7 +45,7 @@ pub fn stack(scene: &mut Scene) {
     let on_clamped = high > 1 && scene.random.chance(0.4);
     let count = scene.random.pick(&[1, 1, 2, 4]);
     scene.problem.times = steps(count);
-    // a little air between the boxes, or a little too much of them, or neither
+    // a small clearance between the boxes, a small interference, or neither
     let air = scene.strain * scene.random.pick(&[0.0, 0.0, 0.0, 0.3, -0.3]);
     let mut y = 0.0;
     let mut boxes: Vec<([f64; 2], f64)> = Vec::new();
@@ -236,7 +236,7 @@ pub fn masonry(scene: &mut Scene) {
     let rough = scene.random.chance(0.5);
     let total = courses * (wide + 1);
     let matching = scene.random.chance(0.5);
-    // what stands side by side without a joint stands apart, or is no answer
+    // bricks side by side without a joint stand apart: otherwise they would penetrate, and there is no answer
     let joints = joints || matching;
     let apart = if joints { 0.0 } else { 0.05 * w };
     let (kind, along) = (scene.kind(), 2 * scene.random.count(1, 3));
@@ -578,7 +578,7 @@ pub fn hook(scene: &mut Scene) {
         scene.problem.bodies[3].supports.push(support);
     }
     if !glued {
-        // beside the play the stem may touch the ledges
+        // the stem may close its clearance and touch the ledges
         scene.touch(
             side("stem", "left"),
             side("left", "right"),
@@ -628,7 +628,7 @@ pub fn tied(scene: &mut Scene) {
     }
     for k in 0..n {
         let name = format!("t{k}");
-        // on a floor all have a contact: what is not named stands in it
+        // on an elastic floor every part has a contact: a part without one would penetrate the floor
         if scene.random.chance(0.15) && k > 0 && k + 1 < n && !floor {
             continue;
         }

@@ -1,5 +1,5 @@
-//! Sides that face several surfaces, sides that are more than what faces the other body, and contacts that have nodes in common:
-//! each beside the same problem in plainer words.
+//! Sides that face several surfaces, sides that extend beyond the facing part, and contacts that have nodes in common: each
+//! beside an equivalent problem with simpler contacts.
 
 use super::travel::{edge, triangle};
 use super::{Scene, floors::polygon};
@@ -9,7 +9,7 @@ use crate::problem::{
     Against, Contact, Known, Law, Load, Other, Patch, Problem, Shape, clamp, hold, on, side, steps,
 };
 
-/// Names of treads, each also of the whole, and alone.
+/// Names of the edge of each tread: as a part of the whole top, and its own name alone.
 const TREADS: [[&str; 2]; 5] = [
     ["top t0", "t0"],
     ["top t1", "t1"],
@@ -18,7 +18,7 @@ const TREADS: [[&str; 2]; 5] = [
     ["top t4", "t4"],
 ];
 
-/// Names of flanks, of a comb that is pushed and of one that holds.
+/// Names of flanks, of the pushed comb and of the holding comb.
 const FLANKS: [[&str; 2]; 5] = [
     ["flank t0", "t0"],
     ["flank t1", "t1"],
@@ -56,15 +56,15 @@ fn between(contact: &Contact, name: &str, sides: [(&str, &str); 2]) -> Contact {
     again
 }
 
-/// The side that carries the multipliers is told: the program might choose another one for a part.
+/// Fixes the side that carries the multipliers: the program might choose another one for a part.
 fn decided(scene: &mut Scene, contact: usize) {
     if let Against::Side { chosen, .. } = &mut scene.problem.contacts[contact].against {
         *chosen = false;
     }
 }
 
-/// A block on a floor of two to five treads, one of them at least touched, the others beneath it by far or by little; the floor's
-/// upper side is one, risers and all. The same with one contact for each tread.
+/// A block on a floor of two to five treads, of which at least one is touched and the others lie lower by much or little; the
+/// floor's upper side includes the risers. The same with one contact for each tread.
 pub fn steps_of_a_floor(scene: &mut Scene) {
     let count = scene.random.pick(&[1, 1, 2]);
     scene.problem.times = steps(count);
@@ -74,8 +74,8 @@ pub fn steps_of_a_floor(scene: &mut Scene) {
     let touched = scene.random.count(0, n - 1);
     let mut heights: Vec<f64> = Vec::new();
     for k in 0..n {
-        // treads beside each other have an edge between them: without one a contact that ends there would cut facets in two that
-        // one contact takes as one
+        // neighbouring treads have different levels: a contact that ends within a level side would cut facets in two that a single
+        // contact leaves whole
         let level = heights.last().is_some_and(|h| *h == 0.0) || k + 1 == touched;
         let height = if k == touched {
             0.0
@@ -134,8 +134,8 @@ pub fn steps_of_a_floor(scene: &mut Scene) {
     scene.holds("pressed down, upright by its left side, above a tread that it touches");
 }
 
-/// Two combs that hook into each other, their flanks one side each, in contact or apart by little. The same with one contact for
-/// each pair of teeth.
+/// Two combs that hook into each other, all flanks of a comb one side, in contact or with a small gap. The same with one contact
+/// for each pair of teeth.
 pub fn teeth(scene: &mut Scene) {
     let n = scene.random.count(2, 5);
     let count = scene.random.pick(&[1, 1, 2]);
@@ -220,8 +220,8 @@ pub fn teeth(scene: &mut Scene) {
     scene.holds("upright by its left side, pushed onto teeth below");
 }
 
-/// Two or three blocks on each other whose whole boundaries are sides, apart or in each other by little. The same with the sides
-/// that face each other.
+/// Two or three blocks on each other whose whole boundaries are sides, with a small clearance or interference. The same with only
+/// the sides that face each other.
 pub fn whole(scene: &mut Scene) {
     let high = scene.random.count(2, 3);
     let count = scene.random.pick(&[1, 1, 2]);
@@ -274,7 +274,7 @@ pub fn whole(scene: &mut Scene) {
     scene.holds("pressed down, all upright by their left sides");
 }
 
-/// Facets of a side from which on its parts and the whole of it resolve the same.
+/// Least number of facets of a side with which its parts and the whole side agree within the resolution of the mesh.
 const FEWEST: usize = 4;
 
 /// A block on a floor whose top is two to four sides, or whose own sole is: contacts with nodes in common, or a list. The same
@@ -358,8 +358,8 @@ pub fn shared(scene: &mut Scene) {
             .map(|k| between(&whole, &format!("c{k}"), name(k)))
             .collect()
     };
-    // a list is the same side; contacts that part a side have conditions of their own where a facet is cut in two or the sides'
-    // nodes do not coincide: as much as the meshes resolve, which two or three facets do not
+    // a list is the same side, with the same answer. Contacts of parts have other conditions where a facet is cut in two or the
+    // nodes of the sides do not coincide: the answers differ by the resolution of the mesh, too coarse with two or three facets
     if list || n * per >= FEWEST {
         let limit = if list { 1e-6 } else { 0.1 };
         otherwise(scene, "union", vec![whole], limit);

@@ -1,4 +1,4 @@
-//! Several obstacles under one side, obstacles that move, obstacles that a force moves.
+//! Several obstacles under one side, moving obstacles, and obstacles moved by a force.
 
 use super::{Scene, course};
 use crate::amount::{Amount, Time};

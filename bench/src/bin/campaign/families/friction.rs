@@ -1,11 +1,11 @@
-//! Blocks that friction and edges just hold, or just do not.
+//! Blocks near the limit of sliding or tipping, on either side of it.
 
 use super::{Push, Scene, course, from_below};
 use crate::amount::{Amount, Time};
 use crate::plane::{cross, dot, minus, rotated, times};
 use crate::problem::{Drive, Edge, Law, Load, Shape, Surface, clamp, moved, on, side, steps};
 
-/// A block in a corner of two planes or two bodies, pressed into it, with friction on one, both or none.
+/// A block in a corner of two planes or two bodies, pressed into it, with friction on both faces, one, or neither.
 pub fn corner(scene: &mut Scene) {
     let (w, h) = (
         scene.random.between(0.5, 1.5),
@@ -73,7 +73,7 @@ pub fn corner(scene: &mut Scene) {
     scene.judge(&parts, "statics of the block in the corner");
 }
 
-/// Where a single block stands: on a rigid plane or on a clamped body that is coarser or finer.
+/// The ground of a single block: a rigid plane or a clamped body with a coarser or finer mesh.
 fn place(scene: &mut Scene, w: f64, h: f64, law: Law) {
     let coarse = scene.random.magnitude(0.2, 5.0);
     let cells = scene.random.count(2, 16);
@@ -88,7 +88,7 @@ fn place(scene: &mut Scene, w: f64, h: f64, law: Law) {
         scene.stand(side("block", "bottom"), surface, Drive::Nothing, law);
         return;
     }
-    // the floor reaches beyond the block on one or both hands, or ends below it
+    // at either end the floor reaches beyond the block, or ends below it
     let left = scene.random.between(-0.5, 0.3) * w;
     let right = w + scene.random.between(-0.3, 0.5) * w;
     let cell = coarse * w / cells as f64;
@@ -101,7 +101,7 @@ fn place(scene: &mut Scene, w: f64, h: f64, law: Law) {
     scene.touch(side("block", "bottom"), side("floor", "top"), law);
 }
 
-/// The part of the block's sole that faces what it stands on.
+/// The part of the block's sole that faces the ground.
 fn sole(scene: &Scene, w: f64) -> [f64; 2] {
     match scene.problem.bodies.get(1).map(|floor| &floor.shape) {
         Some(Shape::Rectangle { from, to, .. }) => [from[0].max(0.0), to[0].min(w)],
@@ -109,7 +109,7 @@ fn sole(scene: &Scene, w: f64) -> [f64; 2] {
     }
 }
 
-/// Just inside or just outside, or anywhere between.
+/// A factor of the limit: just inside, just outside, or farther from it.
 fn margin(scene: &mut Scene) -> f64 {
     match scene.random.count(0, 5) {
         0 | 1 => 0.99,
@@ -119,7 +119,7 @@ fn margin(scene: &mut Scene) -> f64 {
     }
 }
 
-/// A block whose load passes its edge by a hair, inside or outside.
+/// A block whose load acts very near its edge, inside or outside.
 pub fn tip(scene: &mut Scene) {
     let (w, h) = (
         scene.random.between(0.5, 1.5),
@@ -153,7 +153,7 @@ pub fn tip(scene: &mut Scene) {
     scene.judge_sharply(&parts, "the resultant beside the edge of the sole");
 }
 
-/// A block drawn with a little less or a little more than friction bears, its resultant well inside its sole.
+/// A block drawn with a little less or a little more than the largest friction force, its resultant well inside its sole.
 pub fn slide(scene: &mut Scene) {
     let (w, h) = (
         scene.random.between(0.8, 1.5),

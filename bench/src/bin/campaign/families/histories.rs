@@ -1,4 +1,4 @@
-//! Stages in which nothing changes, runs that go on from an earlier one, and ground at rest.
+//! Stages without any change, runs that continue an earlier one, and ground at rest.
 
 use super::Scene;
 use crate::amount::{Amount, Time};
@@ -57,13 +57,13 @@ fn pushed(scene: &mut Scene, count: usize, rest: usize) {
     scene.holds("pushed by what is held, pressed down");
 }
 
-/// In one step nothing changes but that a support comes, mostly, which holds what it finds.
+/// A history with one step in which nothing changes, except that mostly a support comes and holds the nodes where they are.
 pub fn stages(scene: &mut Scene) {
     let count = scene.random.count(3, 6);
     let rest = scene.random.count(2, count);
     pushed(scene, count, rest);
     scene.problem.idle = vec![rest];
-    // not on a flank, whose corner is the contact's: a condition whose normal is held is none of its own any more
+    // not on a flank: its corner node is in the contact, and the contact drops a condition whose normal is held
     let block = &mut scene.problem.bodies[1];
     if block.supports.iter().all(|s| s.place != on("top")) {
         block.supports.push(Support {
@@ -73,7 +73,7 @@ pub fn stages(scene: &mut Scene) {
     }
 }
 
-/// The same history, and the same gone on with behind some of its steps.
+/// A history, and the same history continued from an earlier run of its first steps.
 pub fn resumed(scene: &mut Scene) {
     let count = scene.random.count(2, 6);
     let rest = scene.random.count(2, count);
@@ -91,8 +91,8 @@ pub fn resumed(scene: &mut Scene) {
     }));
 }
 
-/// Ground in two layers under its own weight, at rest: nothing moves, nothing presses beyond the given state. After that a flank
-/// may be laid open bit by bit.
+/// Ground in two layers at rest under its own weight: nothing moves, and pressures are those of the given state. Afterwards a
+/// flank may be excavated in steps.
 pub fn ground(scene: &mut Scene) {
     let count = scene.random.pick(&[1, 2, 4]);
     scene.problem.times = steps(count);

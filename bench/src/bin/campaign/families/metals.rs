@@ -1,10 +1,10 @@
-//! Bodies of metal that yield: pressed to and fro, rings in each other, and loads near the one that makes them collapse.
+//! Bodies of metal that yield: pressed to and fro, rings in each other, and loads near the limit load.
 
 use super::{Scene, rounds};
 use crate::amount::{Amount, Time};
 use crate::problem::{Analysis, Known, Law, Load, Metal, clamp, hold, moved, on, side, steps};
 
-/// Makes a body yield at a stress that strains of the scene reach, or, not often, do not.
+/// Gives a body a yield stress that the strains of the scene mostly reach, and sometimes do not.
 fn alloy(scene: &mut Scene, body: usize, least: f64) {
     let strain = scene.strain * scene.random.between(0.15, 1.5);
     let hard = scene.random.magnitude(1e-3, 0.5).max(least);
@@ -17,7 +17,7 @@ fn alloy(scene: &mut Scene, body: usize, least: f64) {
 }
 
 pub fn metal(scene: &mut Scene) {
-    // not plane stress, in which metal does not yield yet
+    // not in plane stress, for which the program has no plasticity
     scene.problem.analysis = Analysis::PlaneStrain;
     scene.dofs = scene.dofs.min(800.0);
     match scene.random.count(0, 9) {
@@ -84,7 +84,7 @@ fn pressed(scene: &mut Scene) {
     scene.holds("pressed down by what is held");
 }
 
-/// Rings in each other, of which some yield; they harden, so that they bear any load.
+/// Rings in each other, some of which yield; they harden, so that they bear any load.
 fn rings(scene: &mut Scene) {
     rounds::rings(scene);
     let count = scene.problem.bodies.len();
@@ -96,8 +96,8 @@ fn rings(scene: &mut Scene) {
     }
 }
 
-/// Blocks of perfect metal on each other between smooth walls' feet, under a pressure that comes in some steps. Their stress is the
-/// same everywhere, and they bear 2/√3 of the stress at which they yield, as bodies of revolution that stress itself.
+/// Blocks of metal without hardening on each other, guided, under a pressure that grows in steps. Their stress is uniform, and
+/// they bear 2/√3 of the yield stress in plane strain, and the yield stress itself as bodies of revolution.
 fn limit(scene: &mut Scene) {
     let count = scene.random.count(1, 3);
     scene.problem.times = steps(count);

@@ -2,8 +2,8 @@
 //!
 //! A family builds its bodies in units in which they are about one long and the softest modulus is one; strains are about
 //! 1e-5 to 1e-3, so that displacements stay small beside cells. Units are scaled afterwards.
-//! Where statics tells whether the contacts can hold the load, the family says so: with forces in the cones of friction at
-//! points that face each other, a margin to either side.
+//! If statics decides whether the contacts can hold the load, the family records it: with forces in the cones of friction at
+//! points that face each other, and a margin on either side.
 
 mod axis;
 mod blocks;
@@ -63,8 +63,8 @@ pub const FAMILIES: [(&str, Make); 28] = [
     ("axi_fit", axis::fit),
 ];
 
-/// Families that came later. They are drawn by themselves: a further one among those above would make another problem of every
-/// seed. What a seed means in a family by name stays, whatever comes.
+/// Families that were added later. They are drawn separately: a new family in the first list would change the problem of every
+/// seed. The problem of a seed in a named family never changes.
 pub const MORE: [(&str, Make); 18] = [
     ("travel", travel::travel),
     ("steps", faces::steps_of_a_floor),
@@ -86,7 +86,7 @@ pub const MORE: [(&str, Make); 18] = [
     ("metal", metals::metal),
 ];
 
-/// The problem of a seed; `only` is the family, else the seed chooses among the first ones, or those that came later.
+/// The problem of a seed; `only` is the family, else the seed chooses among the first families, or with `more` among the later ones.
 pub fn problem(seed: u64, only: Option<&str>, more: bool) -> Problem {
     let mut random = Random::new(seed);
     let number = random.bits() as usize;
@@ -334,7 +334,7 @@ impl Scene {
         }
     }
 
-    /// The same with a coefficient that may vary along x and in time, for problems whose statics does not ask for it.
+    /// The same with a coefficient that may vary along x and in time, for problems whose statics does not depend on it.
     pub fn varied_law(&mut self, rough: f64) -> Law {
         let law = self.law(rough);
         let Law::Coulomb(_) = law else { return law };
@@ -363,14 +363,14 @@ impl Scene {
         });
     }
 
-    /// Takes what is known of the answer from single bodies: each with the wrench of its loads (about the origin) at every
-    /// time, and what may push it. Pushes of coarse meshes do not reach the ends of a side: what holds must hold without a
-    /// quarter of the sides.
+    /// Decides from single bodies whether the contacts hold: each with the wrench of its loads (about the origin) at every
+    /// time, and its possible pushes. Pushes of coarse meshes do not reach the ends of a side: a body counts as held only if it is
+    /// held without a quarter of the sides.
     pub fn judge(&mut self, parts: &[(Vec<Wrench>, Vec<Push>)], why: &str) {
         self.judge_within(parts, why, 0.25);
     }
 
-    /// The same with a hair's breadth as margin.
+    /// The same with the small margin [`MARGIN`].
     pub fn judge_sharply(&mut self, parts: &[(Vec<Wrench>, Vec<Push>)], why: &str) {
         self.judge_within(parts, why, MARGIN);
     }
@@ -412,7 +412,7 @@ impl Scene {
 /// Force and moment about the origin.
 pub type Wrench = (Vector, f64);
 
-/// A point that may be pushed: where, by which direction (into the body), with which coefficient of friction.
+/// A possible push: its point, its direction (into the body), and its coefficient of friction.
 #[derive(Debug, Clone, Copy)]
 pub struct Push {
     pub at: Vector,
@@ -469,10 +469,10 @@ pub fn rectangle_loads(body: &Body, t: f64) -> Wrench {
     total
 }
 
-/// How much the margin to what falls is: this part of lengths, and of coefficients of friction.
+/// Margin to bodies that fall: this part of lengths, and of coefficients of friction.
 const MARGIN: f64 = 0.009;
 
-/// Whether pushes can hold a load; `inside` is the margin to what holds.
+/// Whether pushes can hold a load; `inside` is the margin of held bodies.
 fn held(load: &Wrench, pushes: &[Push], inside: f64) -> Known {
     let scale = length(load.0);
     if scale == 0.0 && load.1 == 0.0 {

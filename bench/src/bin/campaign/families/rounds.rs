@@ -98,7 +98,7 @@ pub fn wedge(scene: &mut Scene) {
         push(corners[1], right),
         push(corners[2], right),
     ];
-    // as far as statics goes faces that lean on each other by friction hold any load, but what draws the wedge out presses none
+    // in statics, faces wedged by friction can hold any load; but a load that draws the wedge out does not press the faces
     let jams = out && mu >= angle.tan();
     if !jams {
         scene.judge(&[(vec![(force, moment)], pushes)], "statics of the wedge");
@@ -263,7 +263,7 @@ pub fn disc_v(scene: &mut Scene) {
     if rough || force.1 == 0.0 {
         scene.judge(&[(vec![force], pushes.clone())], "statics of the disc");
         if scene.problem.known == Known::Falls {
-            // a disc that rolls a little may touch beside: only what falls then, too, falls
+            // a disc that rolls a little touches at neighbouring points: it falls only if it falls with these, too
             let beside = |p: &Push| {
                 let along = crate::plane::turned(p.direction);
                 [-1.0, 0.0, 1.0].map(|s| Push {
@@ -376,7 +376,7 @@ pub fn rings(scene: &mut Scene) {
             let law = scene.law(0.3);
             let inside = format!("r{}", k - 1);
             let c = scene.touch(side(&name, "inner"), side(&inside, "outer"), law);
-            // the meshes fit; what does not is a number
+            // the meshes fit; the interference is given by a number
             scene.problem.contacts[c].gap = if misfit == 0.0 {
                 if surfaces {
                     Gap::Geometric
@@ -537,8 +537,8 @@ pub fn pocket(scene: &mut Scene) {
     };
     scene.add("block", shape, kind);
     let law = scene.law(0.4);
-    // an overlap moves the corners off both faces, whose friction leans them away from each other: N₁ − μN₂ and N₂ − μN₁ are
-    // positive for no N₁, N₂ ≥ 0 where μ ≥ 1
+    // an interference pushes the corners away from both faces, against friction: for μ ≥ 1 no N₁, N₂ ≥ 0 make both N₁ − μN₂ and
+    // N₂ − μN₁ positive
     let jams = play < 0.0 && matches!(&law, Law::Coulomb(mu) if mu.at([0.0; 2], 0.0) >= 1.0);
     let c = scene.touch(side("block", "sole"), side("box", "pocket"), law);
     if play != 0.0 {
@@ -570,7 +570,7 @@ pub fn edge(scene: &mut Scene) {
     let shape = polygon(size, &corners, &["low", "up", "up", "low"], &[]);
     scene.add("wedge", shape, kind);
     let clear = scene.random.pick(&[0.0, 0.3, 1.0, 30.0, 300.0]) * scene.strain.min(3e-4);
-    // farther off the middle the other corner would come first
+    // with a larger turn another corner would touch first
     let turn = scene.random.between(-0.9, 0.9) * (0.5 * PI - half) - lean;
     let way = [turn.sin(), -turn.cos()];
     let surface = match scene.random.count(0, 2) {
@@ -595,7 +595,7 @@ pub fn edge(scene: &mut Scene) {
     };
     let law = scene.law(0.4);
     let c = scene.stand(side("wedge", "low"), surface, Drive::Nothing, law);
-    // means over facets go along the faces: of a corner between them they tell
+    // integrated conditions average along the faces, and say little about the corner between them
     scene.problem.contacts[c].pairing = Pairing::Default;
     let depth = clear + scene.strain * scene.random.between(0.1, 1.0);
     let supports = &mut scene.problem.bodies[0].supports;

@@ -10,7 +10,7 @@ use crate::problem::{
 };
 use crate::raw::Mesh;
 
-/// The same bodies in other words.
+/// An equivalent problem with the same bodies.
 fn otherwise(scene: &mut Scene, name: &'static str, problem: Problem, tolerance: f64) {
     scene.problem.other = Some(Box::new(Other {
         name,
@@ -203,8 +203,8 @@ pub fn layers(scene: &mut Scene) {
     };
     (tie.pairing, tie.law) = (crate::problem::Pairing::Default, Law::Tied);
     apart.contacts.push(tie);
-    // where the punch ends on the facet beside the border, the node there has half the surroundings when it is the end of a side, and
-    // with it another part that faces the punch
+    // if the punch ends on the facet beside the border, the border node as the end of a side has only half of its facets, and so
+    // another part that faces the punch
     if left + wide < border - facet {
         scene.problem.other = Some(Box::new(Other {
             name: "tied",
@@ -304,8 +304,8 @@ pub fn couple(scene: &mut Scene) {
     scene.holds("pressed down, held along");
 }
 
-/// A block on a floor beside a wall to which a bar may lead, in so many steps: the size of the block, how far it is to the wall, and
-/// a pressure.
+/// A block on a floor beside a wall to which a bar may lead, with `count` steps: the size of the block, its distance to the wall,
+/// and a pressure.
 fn beside_a_wall(scene: &mut Scene, count: usize) -> ([f64; 2], f64, f64) {
     scene.problem.times = steps(count);
     let (w, h) = (

@@ -1,7 +1,7 @@
-//! Open bodies that are moved, far beside their cells, past and into what nobody named.
+//! Open bodies that are moved far compared with their cells, past and into bodies without a contact.
 //!
-//! The moved body feels nothing, or what presses it a little onto its floor: it keeps its shape, and polygons tell what it runs
-//! into. Deeper than a hundredth of the whole is no answer; what stays apart, or slides along what is named, is one.
+//! The moved body has no load, or a small pressure onto its floor: it keeps its shape, and polygons decide which body it runs
+//! into. A penetration deeper than [`DEEP`] must be refused; a body that stays apart, or slides along its contact, must be answered.
 
 use super::Scene;
 use crate::amount::{Amount, Time};
@@ -9,7 +9,7 @@ use crate::overlap::depth;
 use crate::plane::{Vector, plus, rotated};
 use crate::problem::{Edge, Known, Law, Shape, clamp, moved, on, side, steps};
 
-/// Deeper than this is no answer, nearer than its tenth is none of the campaign's business.
+/// A deeper penetration must be refused; a distance below a tenth of it is not judged.
 const DEEP: f64 = 0.01;
 
 /// A slider above a floor, with or without a contact between them, and a post, a ramp or a disc in its way, held by itself or part
@@ -102,7 +102,7 @@ pub fn travel(scene: &mut Scene) {
     }
     let place = scene.problem.bodies.len();
     scene.block("slider", slider[0], slider[1], 2);
-    // down a little where the floor is named and touched, or far where nobody keeps it off
+    // down by little if the slider has a contact with the floor and touches it, or far if it has no contact
     let down = match (named, air > 0.0) {
         (true, false) => scene.strain * h * scene.random.pick(&[0.0, 1.0]),
         (true, true) => 0.0,
@@ -116,7 +116,7 @@ pub fn travel(scene: &mut Scene) {
         let law = scene.law(0.2);
         scene.touch(side("slider", "bottom"), side("floor", "top"), law);
     } else if scene.random.chance(0.5) {
-        // something else is named
+        // a contact with another obstacle
         let law = Law::Frictionless;
         scene.stand(
             side("slider", "left"),
@@ -138,9 +138,9 @@ pub fn travel(scene: &mut Scene) {
             .map(|(index, other)| {
                 let (deep, apart) = deepest(&own, other);
                 match index {
-                    // pressed onto what is named it dents it where it stood at first
+                    // pressed onto the floor of its contact, it leaves a dent at its first place
                     0 if named && down > 0.0 => Known::Open,
-                    // what faces a ramp of the named side is kept off by it, as far as small displacements go
+                    // the contact keeps the slider off a ramp of its side, within the limits of small displacements
                     0 if named && deep > 0.0 && kind == 3 => Known::Open,
                     0 if named => Known::Holds,
                     _ if deep > DEEP => Known::Falls,
@@ -172,7 +172,7 @@ pub fn triangle(scene: &mut Scene) -> crate::cells::Kind {
     scene.random.pick(&[Kind::Tri3, Kind::Tri6])
 }
 
-/// How deep the outlines of two polygons stand in each other, looked at in many points, and how far they are apart.
+/// The depth to which two polygons penetrate each other, sampled at many points, and the distance of their outlines.
 fn deepest(a: &[Vector], b: &[Vector]) -> (f64, f64) {
     let (mut deep, mut apart) = (0.0f64, f64::INFINITY);
     for (own, other) in [(a, b), (b, a)] {
