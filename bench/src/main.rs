@@ -1,11 +1,11 @@
-//! What contact costs: a case solved with contact, and with its bodies welded together, in one process, in turns.
+//! The cost of contact: a case solved with contact, and with its bodies welded together, in one process, in turns.
 //!
 //! ```text
 //! cargo run --release -p dotyk-bench -- [CASE.toml ..] [--repeat N] [--threads N]
 //! ```
 //!
 //! Both sides assemble, order, factor and solve with the same kernels; neither recovers stresses. Turns alternate, so
-//! that other load on the machine meets both alike. Seconds are wall time. Peak memory is that of a fresh process:
+//! that other load on the machine affects both alike. Seconds are wall time. Peak memory is that of a fresh process:
 //! `peak_memory_bytes` in the `summary.json` of `dotyk run`.
 
 mod tied;

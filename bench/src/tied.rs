@@ -1,7 +1,7 @@
 //! The tied model: both bodies of a case welded together at the coincident nodes of their contact.
 //!
-//! One body with two materials, one factorisation, one right-hand side: the least that any linear analysis of these
-//! meshes costs, by the same kernels as the contact problem. Nodes, sides and groups of the second body follow those
+//! One body with two materials, one factorisation, one right-hand side: the least cost of any linear analysis of these
+//! meshes, by the same kernels as the contact problem. Nodes, sides and groups of the second body follow those
 //! of the first; sides are called `BODY.SIDE`, groups by the name of the body.
 
 use dotyk::fem::{
@@ -31,7 +31,7 @@ pub struct Stages {
 }
 
 impl Stages {
-    /// All of it.
+    /// The sum of all stages.
     pub fn total(&self) -> f64 {
         self.assemble + self.order + self.factor + self.solve
     }
@@ -155,7 +155,7 @@ fn loads(body: &Body<2>) -> impl Iterator<Item = Load<2>> {
     })
 }
 
-/// Assembles, factors and solves a body that is held; its displacement (dofs,) and the seconds.
+/// Assembles, factors and solves a supported body; its displacement (dofs,) and the seconds.
 ///
 /// Errors: in words.
 pub fn solve(

@@ -1,4 +1,4 @@
-//! What supports hold: conditions on displacements, and the directions that they leave free.
+//! Supports: conditions on displacements, and the directions that they leave free.
 
 use crate::vector::{dot, length, plus, unit};
 use std::collections::BTreeMap;

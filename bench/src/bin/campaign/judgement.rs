@@ -1,11 +1,11 @@
-//! What a checker found, and how far everything is from its limit.
+//! Findings of a checker, and the distance of every quantity from its limit.
 
 use std::collections::BTreeMap;
 
-/// Something that does not hold.
+/// A violated condition.
 #[derive(Debug, Clone)]
 pub struct Finding {
-    /// From 1.
+    /// Number of the load step, from 1.
     pub step: usize,
     pub what: &'static str,
     pub place: String,
@@ -13,7 +13,7 @@ pub struct Finding {
     pub times: f64,
 }
 
-/// All that was found, and by how much everything else holds.
+/// All findings, and the margins of all checks.
 #[derive(Debug, Default)]
 pub struct Judgement {
     pub findings: Vec<Finding>,
@@ -23,12 +23,12 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// What follows is said of this step, from 1.
+    /// Begins a step, from 1: later findings belong to it.
     pub fn begin(&mut self, step: usize) {
         self.step = step;
     }
 
-    /// Compares a violation with its limit; what is not a number is no good either.
+    /// Compares a violation with its limit; NaN is a finding, too.
     pub fn compare(
         &mut self,
         what: &'static str,

@@ -1,4 +1,4 @@
-//! A campaign of random contact problems in the plane or in space against a checker that shares nothing with the solver.
+//! A campaign of random contact problems in the plane or in space against a checker without any code of the solver.
 //!
 //! ```text
 //! cargo run --release -p dotyk-bench --bin campaign -- [--space] [--seeds 0..1000] [--threads N] [--family NAME] [--keep DIR]
@@ -7,13 +7,13 @@
 //! ```
 //!
 //! A seed makes a problem ([`families`], in space [`space`]), the problem makes a case file, the program answers, and [`check`]
-//! judges the answer from displacements and rows alone. What is hunted are answers that are certified and wrong. A part of the seeds
-//! is asked again in other words ([`twins`]), frictionless ones by another method.
-//! `--more` draws among the families that came later: which family a seed means would change with each new one among the first.
-//! In a family by name a seed means the same problem for ever.
-//! `--failed` asks the seeds that were ever answered wrongly, or not for a fault, and no others.
-//! The same seeds give the same report for any number of threads, but for the seconds and what they stop.
-//! Exit status 1 when an answer is wrong or the program panics, with `--failed` when it does not answer, too.
+//! judges the answer from displacements and rows alone. The campaign looks for answers that are certified and wrong. A part of the
+//! seeds is solved again as an equivalent problem ([`twins`]), frictionless ones by another method.
+//! `--more` draws among the families that were added later: a new family in the first list would change the family of each seed.
+//! In a named family the problem of a seed never changes.
+//! `--failed` solves only the seeds that once had a wrong answer, or none, because of a fault.
+//! The same seeds give the same report for any number of threads, except for seconds and the runs stopped by the limit.
+//! Exit status 1 if an answer is wrong or the program panics, with `--failed` also if an answer is missing.
 
 mod amount;
 mod asked;
@@ -74,7 +74,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Seeds that were answered wrongly once, or not at all, in the plane and in space, by faults that are cured: asked for ever.
+/// Seeds, in the plane and in space, that once had a wrong answer or none because of faults that are now corrected.
 const FAILED: [&[u64]; 2] = [
     &[
         1_005_828,
@@ -92,7 +92,7 @@ const FAILED: [&[u64]; 2] = [
     &[20, 2_006, 2_154, 253_082_568, 253_082_650, 253_084_410],
 ];
 
-/// The same of the families that came later: a seed means the same in a family whatever other families there are.
+/// The same for the later families, by name: the problem of a seed in a family does not depend on other families.
 const FAILED_MORE: &[(&str, u64)] = &[
     ("edge", 240_663_960),
     ("graded", 200_417_299),
@@ -113,7 +113,7 @@ const FAILED_MORE: &[(&str, u64)] = &[
     ("whole", 93),
 ];
 
-/// What is asked for, and whether in space.
+/// The options, and whether the problems are in space.
 fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), String> {
     let (mut space, mut failed) = (false, false);
     let mut options = Options {

@@ -1,16 +1,16 @@
-//! Metal that yields, written down once more: stresses after all load steps, from displacements alone.
+//! Plasticity of metal, written independently of the program: stresses after all load steps, from displacements alone.
 //!
 //! ```text
 //!   s* = 2μ (dev ε − ε_p),   σᵥ* = √(3/2 s*:s*),   Δp = max(0, σᵥ* − σ_Y − H p) / (3μ + H),   ε_p += Δp 3s*/(2σᵥ*),   p += Δp
 //!   σ = K θ + 2μ (dev ε − ε_p)
 //! ```
 //!
-//! at the points of the stiffness, step by step, each with the plastic strain ε_p and the equivalent one p that the steps before it
-//! left. θ is the change of volume; in quadrilaterals of second order of a body some point of which has yielded it is the linear
-//! function of the reference coordinates that is nearest to it, by the normal equations of its three coefficients. Components xx yy zz
-//! xy; around an axis zz is the hoop.
+//! at the Gauss points of the stiffness, step by step, each with the plastic strain ε_p and the equivalent plastic strain p of the
+//! steps before. θ is the volumetric strain; once a point of a body has yielded, in its quadrilaterals of second order θ is replaced
+//! by its least-squares fit by a linear function of the reference coordinates (normal equations of three coefficients). Components
+//! xx yy zz xy; around an axis zz is the hoop.
 //!
-//! The judge solves nothing: whether displacements are an answer is whether these stresses are in equilibrium.
+//! The judge solves no problem: displacements are an answer if these stresses are in equilibrium.
 
 use crate::cells::Kind;
 use crate::elastic::{Internal, Station, depth, station};
@@ -18,10 +18,10 @@ use crate::plane::{Vector, length, minus, plus};
 use crate::problem::{Analysis, Body, Metal};
 use crate::raw::Mesh;
 
-/// Plastic strain of a point, and the equivalent one.
+/// Plastic strain of a point, and the equivalent plastic strain.
 type Plastic = ([f64; 4], f64);
 
-/// Strain of the displacements of a cell at one of its points, and the rigid part of them.
+/// Strain of a cell at one of its points, from displacements relative to its first node.
 fn strain(at: &Station, nodes: &[usize], moves: &[Vector], axisymmetric: bool) -> [f64; 4] {
     let first = moves[nodes[0]];
     let mut strain = [0.0; 4];
@@ -37,7 +37,7 @@ fn strain(at: &Station, nodes: &[usize], moves: &[Vector], axisymmetric: bool) -
     strain
 }
 
-/// Twice the shear counts: xy stands for yx, too.
+/// The shear component counts twice: xy stands for yx, too.
 fn contracted(a: [f64; 4]) -> f64 {
     a[0] * a[0] + a[1] * a[1] + a[2] * a[2] + 2.0 * a[3] * a[3]
 }
@@ -47,7 +47,7 @@ fn deviator(a: [f64; 4]) -> [f64; 4] {
     [a[0] - mean, a[1] - mean, a[2] - mean, a[3]]
 }
 
-/// The step of one point to a strain; whether it yields.
+/// One step of a point to a strain; whether the point yields.
 fn returned((plastic, p): &mut Plastic, strain: [f64; 4], shear: f64, metal: &Metal) -> bool {
     let trial: [f64; 4] = {
         let dev = deviator(strain);
@@ -66,7 +66,7 @@ fn returned((plastic, p): &mut Plastic, strain: [f64; 4], shear: f64, metal: &Me
     true
 }
 
-/// The linear function a + bξ + cη that is nearest to values at points, at these.
+/// The least-squares fit a + bξ + cη of values at points, evaluated at these points.
 fn linear(points: &[(Vector, f64)], values: &[f64]) -> Vec<f64> {
     let functions = |[x, y]: Vector| [1.0, x, y];
     let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
@@ -100,7 +100,7 @@ fn linear(points: &[(Vector, f64)], values: &[f64]) -> Vec<f64> {
     points.iter().map(at).collect()
 }
 
-/// Nodal forces of the stresses of a body of metal whose nodes have gone these ways, one step after the other.
+/// Nodal forces of the stresses of a body of metal after the displacements of all steps in turn.
 pub fn internal(
     (mesh, body, metal): (&Mesh, &Body, &Metal),
     analysis: Analysis,

@@ -1,4 +1,4 @@
-//! A checker that cannot fail is worth nothing: right answers, spoiled one way each, and the check that must notice.
+//! Tests of the checker: right answers, each spoiled in one way, and the check that must notice.
 
 use crate::amount::{Amount, Time};
 use crate::cells::Kind;
@@ -275,7 +275,7 @@ fn another_load_or_support_is_noticed() {
     });
 }
 
-/// Moves the first body by an amount that strains nothing.
+/// Moves the first body rigidly.
 fn lifted(answer: &mut Answer, by: [f64; 2]) {
     last(answer).displacements[0]
         .iter_mut()
@@ -340,7 +340,7 @@ fn a_moved_obstacle_is_noticed() {
         &drawn(),
         "penetration",
         |problem, answer| {
-            // an obstacle that the answer does not know of: its rows are all open
+            // an obstacle that is missing in the answer: its rows are all open
             let mut higher = problem.contacts[0].clone();
             if let Against::Obstacle {
                 surface: Surface::Plane { point, .. },
@@ -416,7 +416,7 @@ fn dropped_and_changed_rows_are_noticed() {
     });
 }
 
-/// A plane tells its normal; elsewhere the rows do, as far as they are believed.
+/// Wrong laws, shears and slips are noticed.
 #[test]
 fn friction_is_judged_by_its_law() {
     noticed("bound", &drawn(), "shear", |problem, _| {
@@ -622,7 +622,7 @@ fn another_bed_bar_or_material_is_noticed() {
     noticed("bar", &family("bar", 0), "equilibrium", |problem, _| {
         problem.bodies[1].more.bar.as_mut().unwrap().stiffness *= 1.01;
     });
-    // one that has yielded: its elastic part is far stiffer than what it does now
+    // one that has yielded: its elastic stiffness is far larger than its tangent stiffness
     let yields = |p: &Problem| {
         let gives = p.bodies[1].more.bar.as_ref().unwrap().gives.as_ref();
         gives.is_some_and(|gives| gives.most.is_some())
@@ -656,7 +656,7 @@ fn another_bed_bar_or_material_is_noticed() {
 
 #[test]
 fn another_force_in_a_section_is_noticed() {
-    // many cells, so that what leaks from beneath the punch has faded at the held end
+    // many cells, so that the tractions beside the punch have decayed at the held end
     let fine = (0..).map(|seed| family("section", seed));
     let fine = fine.into_iter().find(|p| p.sections[0].stations.len() > 24);
     let fine = fine.unwrap();

@@ -1,11 +1,11 @@
-//! What stands in what: outlines of all deformed bodies against each other, whoever named a contact between them.
+//! Penetration: outlines of all deformed bodies against each other, with or without a contact between them.
 //!
 //! ```text
 //!   grown(x) = max(0, depth of x + u in the other outline as it has moved) − max(0, the same of x before anything moved)
 //! ```
 //!
-//! at nodes and points between them. The depth of a point inside a polygon is its distance from the polygon; whether it is inside,
-//! a ray tells. What small displacements explain, and no more, is allowed:
+//! at nodes and points between them. The depth of a point inside a polygon is its distance from the polygon; a ray decides whether
+//! it is inside. The limit is the error of small displacements:
 //!
 //! ```text
 //!   tiny + 2 s (‖∇u₁‖ + ‖∇u₂‖)       rotations by angles instead of their sines, over a motion s; ‖∇u‖ along the outlines
@@ -13,8 +13,8 @@
 //!                                                                                     and no farther from them than that
 //! ```
 //!
-//! Bodies that are drawn to meet in a point, and along no line, have no sides there that a contact could name: what is as near to
-//! such a point as ten motions is left, where facets are longer than that.
+//! Bodies whose undeformed outlines meet in a point, and along no line, have no sides there for a contact: points nearer than ten
+//! motions to such a point are not checked, where facets are longer than that.
 
 use crate::check::{Limits, View};
 use crate::judgement::Judgement;
@@ -25,10 +25,10 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Pieces of a facet with a middle node.
 const PIECES: usize = 6;
 
-/// How many times what a mesh resolves surfaces of a contact may stand in each other.
+/// Allowed penetration of the surfaces of a contact, in units of the resolution of the mesh.
 const RESOLVED: f64 = 10.0;
 
-/// Edges that meet are left within this many motions.
+/// Points within this many motions of the meeting point of two edges are not checked.
 const NARROW: f64 = 10.0;
 
 /// A point of an outline: the nodes that carry it.
@@ -43,7 +43,7 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// Of a mesh: the facets that only one cell has.
+    /// The outline of a mesh: the facets that belong to one cell only.
     pub fn new(mesh: &Mesh) -> Self {
         let mut found: BTreeMap<Vec<usize>, (usize, Vec<usize>)> = BTreeMap::new();
         for (kind, nodes) in &mesh.cells {
@@ -89,7 +89,7 @@ impl Outline {
         outline
     }
 
-    /// Its points where these displacements carry them.
+    /// Its points, moved by these displacements.
     fn places(&self, mesh: &Mesh, moves: Option<&[Vector]>) -> Vec<Vector> {
         let at = |node: usize| match moves {
             Some(moves) => plus(mesh.points[node], 1.0, moves[node]),
@@ -113,7 +113,7 @@ impl Outline {
     }
 }
 
-/// How deep a point lies in a closed line, if it does; and its distance from that line.
+/// The depth of a point inside a closed line, zero outside, and its distance from that line.
 pub fn depth(x: Vector, pieces: impl Iterator<Item = [Vector; 2]>) -> (f64, f64) {
     let (mut inside, mut distance) = (false, f64::INFINITY);
     for [a, b] in pieces {
@@ -138,7 +138,7 @@ fn to_piece(x: Vector, a: Vector, b: Vector) -> f64 {
     length(minus(from, times(part, along)))
 }
 
-/// What the contacts between two bodies say of points of the first.
+/// Points of the first body that are in contacts between two bodies, and their allowed penetration.
 #[derive(Default)]
 struct Named {
     /// Nodes of its sides in such contacts.
@@ -146,7 +146,7 @@ struct Named {
     allowed: f64,
 }
 
-/// Judges what every body stands in.
+/// Judges the penetration of every body into every other.
 pub fn check_overlaps(judgement: &mut Judgement, view: &View<'_>, outlines: &[Outline]) {
     let Answer { meshes, .. } = view.answer;
     let there: Vec<bool> = view
@@ -173,7 +173,7 @@ pub fn check_overlaps(judgement: &mut Judgement, view: &View<'_>, outlines: &[Ou
             let drawn = [places(a, false), places(b, false)];
             let travel = mine.iter().zip(&drawn[0]);
             let travel = travel.chain(theirs.iter().zip(&drawn[1]));
-            // the motion of the two past each other
+            // the relative motion of the two
             let (least, most) = bounds(&travel.map(|(&y, &x)| minus(y, x)).collect::<Vec<_>>());
             let motion = length(minus(most, least)).min(2.0 * view.state.moves);
             let gradients = outlines[a].gradient(&meshes[a], &moves[a])
@@ -198,7 +198,7 @@ pub fn check_overlaps(judgement: &mut Judgement, view: &View<'_>, outlines: &[Ou
                     continue;
                 }
                 let (before, _) = depth(drawn[0][point], first.iter().copied());
-                // what is nearer to a side than that may sink goes down with it: a corner of the finest cells
+                // a point nearer to a side than its allowed penetration moves with that side: a corner of the finest cells
                 let beside = |node: &usize| {
                     let off = minus(meshes[a].points[*node], drawn[0][point]);
                     length(off) <= named.allowed
@@ -219,7 +219,7 @@ pub fn check_overlaps(judgement: &mut Judgement, view: &View<'_>, outlines: &[Ou
     }
 }
 
-/// Points at which outlines that have no line in common are drawn to meet.
+/// Points at which undeformed outlines without a common line meet.
 fn meetings(
     drawn: &[Vec<Vector>; 2],
     mine: &Outline,
@@ -295,11 +295,11 @@ fn named(view: &View<'_>, a: usize, b: usize) -> Named {
         let limits = Limits::new(view, c, [0.0; 2]);
         let resolved = limits.coarse.into_iter().fold(0.0, f64::max);
         let samples = touch.at_nodes.values().chain(&touch.between);
-        // a clearance that the meshes lack: given, or drawn and counted as closed
+        // the difference of the gap in the meshes and the gap of the contact: given, or counted as closed
         let lacking =
             |sample| (touch.drawn(sample) - touch.clearance(sample, view.step.time)).abs();
         let lacking = samples.map(lacking).fold(0.0, f64::max);
-        // past each other along a curve: the arrow of what was passed
+        // motion along a curve: the sagitta of the arc that was passed
         let turn = touch
             .curve
             .turn

@@ -43,7 +43,7 @@ pub fn quarter_exact(angle: f64) -> (f64, f64) {
 }
 
 /// The rigid motion a + ω × (x − centre) that fits some displacements best (least squares): (centre, a, ω). With axial
-/// symmetry a translation along y is all there is.
+/// symmetry only a translation along y.
 pub fn fitted_motion(
     points: &[Vector],
     moves: &[Vector],

@@ -1,7 +1,7 @@
 //! A contact problem as plain data, and its case file.
 //!
-//! Generators write it, the checker reads from it what acts, what is held and what touches what. Meshes are described
-//! here, not made: the checker takes points, cells and sides from the program's mesh.
+//! Generators write it; the checker reads loads, supports and contacts from it. Meshes are described here, not made: the
+//! checker takes points, cells and sides from the program's mesh.
 
 use crate::amount::Amount;
 use crate::cells::Kind;
@@ -45,7 +45,7 @@ pub struct Edge {
     pub cells: Option<usize>,
 }
 
-/// What makes a mesh.
+/// The description of a mesh.
 #[derive(Debug, Clone)]
 pub enum Shape {
     Rectangle {
@@ -89,7 +89,7 @@ pub struct Patch {
     pub high: Vector,
 }
 
-/// Where a support holds.
+/// The place of a support.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Place {
     Side(String),
@@ -103,7 +103,7 @@ pub struct Support {
     pub place: Place,
     pub axes: [Option<Amount>; 2],
     pub normal: Option<Amount>,
-    /// It comes in the first step at or after this time, and holds the nodes where they are.
+    /// The support begins in the first step at or after this time, and holds the nodes where they are.
     pub from: Option<f64>,
 }
 
@@ -154,19 +154,19 @@ pub struct Body {
     pub more: More,
 }
 
-/// What few bodies have.
+/// Further properties, which few bodies have.
 #[derive(Debug, Clone, Default)]
 pub struct More {
     pub springs: Vec<Spring>,
-    /// σxx, σyy, σzz, σxy before anything acts, tension positive.
+    /// Initial stress σxx, σyy, σzz, σxy, tension positive.
     pub initial: Option<[Amount; 4]>,
-    /// Young's modulus and Poisson's ratio of what lies beyond x of the border; the group is that of the shape.
+    /// The second material beyond the border; the group is that of the shape.
     pub beyond: Option<Beyond>,
-    /// It comes in the first step at or after this time.
+    /// The body appears in the first step at or after this time.
     pub from: Option<f64>,
     pub couple: Option<Couple>,
     pub bar: Option<Bar>,
-    /// It yields.
+    /// Plasticity.
     pub metal: Option<Metal>,
 }
 
@@ -177,8 +177,8 @@ pub struct Metal {
     pub hardening: f64,
 }
 
-/// A side whose supports, or whose even tractions, are those of a point, as a case file has it: a rigid side that the point holds,
-/// or the mean of the side, which bears the point's force. To the checker both are the same as without it.
+/// A side that the case file couples to a point, which takes over its supports or its uniform tractions: a rigid side held by the
+/// point, or the mean of the side, which bears the point's force. The checker treats both like the side without the couple.
 #[derive(Debug, Clone)]
 pub struct Couple {
     pub side: String,
@@ -198,7 +198,7 @@ pub struct Bar {
     pub gives: Option<Gives>,
 }
 
-/// How a bar gives way.
+/// Slackening and yielding of a bar.
 #[derive(Debug, Clone)]
 pub struct Gives {
     /// It bears no compression.
@@ -208,8 +208,8 @@ pub struct Gives {
 }
 
 impl Bar {
-    /// Its tension after its node has gone these ways along x, one after the other: what is beyond its strength is plastic, what
-    /// slackens is not.
+    /// Its tension after these displacements of its node along x in turn: elongation beyond its strength is plastic, slackening is
+    /// not.
     pub fn tension(&self, ways: impl Iterator<Item = f64>) -> f64 {
         let (slack, most) = match &self.gives {
             Some(gives) => (gives.slack, gives.most.unwrap_or(f64::INFINITY)),
@@ -252,7 +252,7 @@ impl Body {
     }
 }
 
-/// A side of a body, by names; of several sides the names stand between plus signs.
+/// A side of a body, by names; the names of several sides are joined by plus signs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Side {
     pub body: String,
@@ -281,7 +281,7 @@ pub enum Surface {
     },
 }
 
-/// What moves an obstacle.
+/// The drive of an obstacle.
 #[derive(Debug, Clone)]
 pub enum Drive {
     Nothing,
@@ -289,7 +289,7 @@ pub enum Drive {
     Force([Amount; 2]),
 }
 
-/// What a side touches.
+/// The counterpart of a side in a contact.
 #[derive(Debug, Clone)]
 pub enum Against {
     /// The other side; named `nonmortar` and `mortar`, or only `sides`.
@@ -303,7 +303,7 @@ pub enum Against {
     },
 }
 
-/// How sides are coupled.
+/// The coupling of the sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pairing {
     Default,
@@ -319,7 +319,7 @@ pub enum Gap {
     Given(Amount),
 }
 
-/// What the interface bears.
+/// The law of the interface.
 #[derive(Debug, Clone)]
 pub enum Law {
     Frictionless,
@@ -356,14 +356,14 @@ pub struct Contact {
     pub law: Law,
 }
 
-/// What is known of the answer before it is asked for.
+/// Advance knowledge of the answer, from statics.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Known {
     /// Some contact forces hold the load, with a margin.
     Holds,
-    /// No contact forces hold the load of the last step, with a margin.
+    /// No contact forces hold the load of some step, with a margin.
     Falls,
-    /// Nothing.
+    /// Unknown.
     Open,
 }
 
@@ -376,21 +376,21 @@ pub struct Problem {
     pub contacts: Vec<Contact>,
     pub times: Vec<f64>,
     pub known: Known,
-    /// Why that is known, for the report.
+    /// The reason of `known`, for the report.
     pub reason: String,
     /// The pressure of all contacts, where it is known to be the same everywhere.
     pub uniform: Option<Amount>,
-    /// Round bodies may spin: polygons let them spin by what rounding decides, until the next node touches.
+    /// Round bodies may spin: rounding decides how far a polygon turns until its next node touches.
     pub spins: bool,
     pub method: String,
     /// `[drawing]` of a case file.
     pub drawing: Option<Drawing>,
     pub sections: Vec<Section>,
-    /// The same physical problem in other words, which its family knows.
+    /// An equivalent problem, given by the family.
     pub other: Option<Box<Other>>,
     /// Steps, from 1, in which nothing has moved since the step before.
     pub idle: Vec<usize>,
-    /// So many steps are taken from an earlier run.
+    /// Number of steps that are taken from an earlier run.
     pub past: usize,
 }
 
@@ -413,12 +413,12 @@ pub struct Section {
     pub stations: Vec<Vector>,
 }
 
-/// A problem in other words.
+/// An equivalent problem.
 #[derive(Debug, Clone)]
 pub struct Other {
     pub name: &'static str,
     pub problem: Problem,
-    /// Bodies of it that make each body of the original.
+    /// Its bodies that form each body of the original.
     pub parts: Vec<Vec<usize>>,
     /// Relative difference of displacements that is allowed.
     pub tolerance: f64,
@@ -861,7 +861,7 @@ pub fn moved(place: Place, axis: usize, value: Amount) -> Support {
     }
 }
 
-/// A support that holds a place altogether.
+/// A support that holds all components of a place.
 pub fn clamp(place: Place) -> Support {
     Support {
         place,

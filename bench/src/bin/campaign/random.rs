@@ -1,6 +1,6 @@
 //! A small deterministic generator of random numbers: SplitMix64.
 //!
-//! The same seed gives the same numbers on every machine, whatever a library does in its next version.
+//! The same seed gives the same numbers on every machine and with every version of the libraries.
 //!
 //! Source: as described in G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014.
 

@@ -1,4 +1,4 @@
-//! What the checker takes from a solution: numbers, and nothing that computes.
+//! The data that the checker takes from a solution: only numbers, no functions.
 //!
 //! Meshes with their sides, nodal displacements, and the rows of `contact.csv`, of the plane or of space.
 
@@ -50,7 +50,7 @@ pub struct Row<const D: usize = 2> {
     pub pressure: f64,
     /// Traction on the nonmortar body.
     pub shear: [f64; D],
-    /// Of the nonmortar side relative to the other.
+    /// Slip of the nonmortar side relative to the other.
     pub slip: [f64; D],
     pub status: Status,
 }
@@ -77,18 +77,18 @@ pub struct Contact<const D: usize = 2> {
 #[derive(Debug, Clone)]
 pub struct Step<const D: usize = 2> {
     pub time: f64,
-    /// Of every node of every body, in the order of the problem.
+    /// Displacement of every node of every body, in the order of the problem.
     pub displacements: Vec<Vec<[f64; D]>>,
     /// Force of its supports on each body.
     pub reactions: Vec<[f64; D]>,
-    /// In the order of the problem.
+    /// The contacts, in the order of the problem.
     pub contacts: Vec<Contact<D>>,
-    /// Of each section at each station: x, y, N, V, M.
+    /// Section forces of each section at each station: x, y, N, V, M.
     pub sections: Vec<Vec<[f64; 5]>>,
     pub iterations: usize,
-    /// Stages of the solver that were entered; the last one answered.
+    /// The entered stages of the solver; the last one gave the answer.
     pub tried: Vec<&'static str>,
-    /// What the program tells that rounding leaves open of a force.
+    /// The rounding of a force, as reported by the program.
     pub rounding: f64,
     /// The program warns that it dropped conditions: for the report, the checker does not ask.
     pub dropped: bool,

@@ -1,4 +1,4 @@
-//! What a campaign found.
+//! The report of a campaign.
 
 use crate::problem::Known;
 use crate::run::{Result, Verdict};
@@ -23,12 +23,12 @@ struct Count {
     refused: usize,
     panicked: usize,
     slow: usize,
-    /// Of the last three but panics: those that statics says can be held.
+    /// Problems not converged or refused although statics shows that the contacts hold.
     holdable: usize,
 }
 
 impl<'a> Report<'a> {
-    /// Of results in the order of their seeds.
+    /// The report of results in the order of their seeds.
     pub fn new(results: &'a [Result], seconds: f64, method: &'a str) -> Self {
         Self {
             results,
@@ -37,7 +37,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Nothing certified is wrong, and nothing panics; if all are to be `answered`, everything is right.
+    /// Every certified answer is right, and no run panics; with `answered` every seed has a right answer.
     pub fn clean(&self, answered: bool) -> bool {
         let good = |r: &Result| match r.verdict {
             Verdict::Right => true,
@@ -302,7 +302,7 @@ impl<'a> Report<'a> {
     }
 }
 
-/// How far pairs of answers that should be the same are apart, in words; NaN is no answer.
+/// Differences of pairs of answers that should be the same, in words; NaN stands for a missing answer.
 fn apart(mut offs: Vec<(f64, u64)>) -> String {
     let lost = offs.iter().filter(|o| o.0.is_nan()).count();
     let asked = offs.len();

@@ -49,12 +49,12 @@ pub fn placed_obstacle(
             }
         }
     }
-    // directions that no row feels stay where they are
+    // directions without any row get no displacement
     let small = 1e-9 * (matrix[0][0] + matrix[1][1]);
     let (a, b, d) = (matrix[0][0] + small, matrix[0][1], matrix[1][1] + small);
     let volume = a * d - b * b;
     let mut moved = [0.0; 2];
-    // again and again: what that small number leaves shrinks by itself each time
+    // repeated: each time the error of that small number shrinks by the same factor
     for _ in 0..4 {
         let mut right = [0.0; 2];
         for sample in &samples {
@@ -137,7 +137,7 @@ fn check_weights(
         return;
     }
     if touch.nodal {
-        // where a round side turns away from what it faces, nothing touches and weights say nothing
+        // where a round side turns away from the other side, there is no contact and weights have no meaning
         for row in rows
             .iter()
             .filter(|r| touch.curve.straight() || r.pressure > 0.0)
@@ -145,13 +145,13 @@ fn check_weights(
             if row.gap.is_nan() {
                 continue;
             }
-            // the tip of a needle bears though none of its facets looks there
+            // a sharp corner may bear although none of its facets faces the obstacle
             let own = match weights.get(&row.node) {
                 None if touch.met.contains(&row.node) => row.weight,
                 own => own.copied().unwrap_or(0.0),
             };
             let off = (row.weight - own).abs();
-            // on a curved facet the area is no polynomial: another rule gives another number
+            // on a curved facet the area is no polynomial: its value depends on the Gauss rule
             let limit = if touch.curve.straight() { 1e-6 } else { 1e-3 };
             judgement.compare("weight", off, limit * row.weight, || {
                 view.node(touch.own, row.node)
@@ -213,13 +213,13 @@ fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
     let smallest = if touch.nodal {
         view.state.tiny_length()
     } else {
-        // the condition is a mean over the facets around, on which the slip may be another one than at the node
+        // the condition is a mean over the facets around, on which the slip may differ from that at the node
         let around = &touch.curve.around[&row.node];
         let nearby = touch.between.iter().filter(|s| around.contains(&s.facet));
         let others = nearby.filter_map(|s| Some((self::slip(view, c, s)? - slip).abs()));
         resolution(view, c)[sample.facet] + others.fold(0.0, f64::max)
     };
-    // held along the tangent on both sides: there is no shear to speak of
+    // held along the tangent on both sides: the shear is not determined
     let held = view.state.held[touch.own].get(&row.node);
     if length(free_part(turned(row.normal), held)) < 1.0 - 1e-9 {
         return;
@@ -332,13 +332,13 @@ fn check_pushes(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// How much of the largest force of a side the shears of integrated rows may pull at a node, along its normal n.
+/// Largest pull of the shears of integrated rows at a node along its normal n, as a part of the largest force of the side.
 ///
 /// With the contact normal ν and its tangent t the tractions λ and τ of the rows exert ∫N (∓λ ν·n ± τ t·n) there, N the shape function
-/// of the node. On a facet τ is the linear function whose moments with the hats of its ends are those of the rows, so that it is as
-/// large as 2q₀ − q₁ at an end: at most three times the larger row where the two differ in sign, twice where they do not, and of any
-/// sign, whatever the law says of each row. But |t·n| is the sine of the angle between ν and n: no more than both sides turn from
-/// facet to facet. Shears of straight sides pull nothing.
+/// of the node. On a facet τ is the linear function whose moments with the hat functions of its ends are those of the rows. It is
+/// 2q₀ − q₁ at an end: at most three times the larger row if the two differ in sign, else twice, and of any sign, although the law
+/// holds in each row. But |t·n| is the sine of the angle between ν and n, which is at most the angle between neighbouring facets of
+/// both sides. Shears of straight sides do not pull.
 fn turned_shear(touch: &Touch<'_>) -> f64 {
     let opposite = touch.opposite.as_ref();
     if touch.curve.corners || opposite.is_some_and(|o| o.corners) {
@@ -348,7 +348,7 @@ fn turned_shear(touch: &Touch<'_>) -> f64 {
     3.0 * turn.min(std::f64::consts::FRAC_PI_2).sin()
 }
 
-/// Where a row has no force, the force on its node must still be one that the contacts there allow.
+/// Where a row has no force, the contacts there must still allow the force on its node.
 pub fn check_corners(judgement: &mut Judgement, view: &View<'_>) {
     for ((body, node), contacts) in view.members() {
         let rows: Vec<(usize, Option<&Row>)> = contacts
@@ -392,7 +392,7 @@ pub fn check_corners(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Edges of the cone of forces that a contact may exert on a node as its gap and its slip are.
+/// Edges of the cone of forces that a contact may exert on a node with its gap and its slip.
 fn allowed(view: &View<'_>, c: usize, row: &Row) -> Vec<Vector> {
     let touch = &view.touches[c];
     let (Some(sample), Some(obstacle)) = (touch.at_nodes.get(&row.node), view.obstacles[c]) else {

@@ -1,4 +1,4 @@
-//! The campaign itself: seeds on threads, each asked, judged, asked again.
+//! The campaign itself: seeds on threads, each solved, judged, and solved again.
 
 use crate::judgement::{Finding, Judgement};
 use crate::problem::Known;
@@ -15,19 +15,19 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// A problem of the plane (D = 2) or of space (D = 3), as the campaign asks and judges it.
+/// A problem of the plane (D = 2) or of space (D = 3), as the campaign solves and judges it.
 pub trait Problem<const D: usize>: Clone {
     type Kind: Cell;
 
     /// Names of all families.
     fn families() -> Vec<&'static str>;
 
-    /// The problem of a seed, of this family or of one that the seed chooses; `more`: among those that came later.
+    /// The problem of a seed, of this family or of one that the seed chooses; with `more` among the later families.
     fn of_seed(seed: u64, family: Option<&str>, more: bool) -> Self;
 
     fn family(&self) -> &'static str;
 
-    /// What is known of the answer before it is asked for, and why.
+    /// Advance knowledge of the answer, and its reason.
     fn known(&self) -> (Known, &str);
 
     /// Some contact has friction.
@@ -54,20 +54,20 @@ pub trait Problem<const D: usize>: Clone {
     /// Some twins.
     fn twins(&self, answer: &Answer<D, Self::Kind>, random: &mut Random) -> Vec<Twin<Self, D>>;
 
-    /// So many steps are taken from an earlier run.
+    /// Number of steps that are taken from an earlier run.
     fn past(&self) -> usize {
         0
     }
 
-    /// Its family knows it in other words: they are always asked.
+    /// Whether the family gives an equivalent problem, which is then always solved.
     fn told_twice(&self) -> bool {
         false
     }
 
-    /// The answer of this kind of twin must be the same.
+    /// Whether the answer of this kind of twin must be the same.
     fn unique(&self, answer: &Answer<D, Self::Kind>, twin: &str) -> bool;
 
-    /// Displacements of a body without the motion that nothing determines.
+    /// Displacements of a body without the undetermined rigid motion.
     fn determined(
         &self,
         body: usize,
@@ -75,40 +75,40 @@ pub trait Problem<const D: usize>: Clone {
         moves: Vec<[f64; D]>,
     ) -> Vec<[f64; D]>;
 
-    /// What supports and contacts exert on each node of each body, and the scale of forces.
+    /// Forces of supports and contacts on each node of each body, and the scale of forces.
     fn forces(&self, answer: &Answer<D, Self::Kind>, step: &Step<D>) -> (Vec<Vec<[f64; D]>>, f64);
 }
 
-/// What the command line asks for.
+/// The options of the command line.
 pub struct Options {
-    /// Each with its family, where that is not chosen by the seed or for all of them.
+    /// Each with its family, unless the seed chooses it or one family is given for all.
     pub seeds: Vec<(u64, Option<&'static str>)>,
     pub threads: usize,
     pub family: Option<String>,
-    /// Seeds choose among the families that came later.
+    /// Seeds choose among the later families.
     pub more: bool,
-    /// Where case files of failing seeds go, of all that are shown.
+    /// Folder for the case files of failing seeds, and of all that are shown.
     pub keep: Option<PathBuf>,
-    /// Part of the seeds that is asked again in other words.
+    /// Part of the seeds that is solved again as an equivalent problem.
     pub twins: f64,
-    /// The other method, that a part of the frictionless seeds is asked with.
+    /// The other method, with which a part of the frictionless seeds is solved.
     pub method: String,
-    /// Tell how far everything is from its limit.
+    /// Print the margins of all checks.
     pub margins: bool,
     /// Print case and findings.
     pub show: bool,
     /// Seconds after which a run is stopped.
     pub limit: f64,
-    /// An answer that does not come is a failure, too.
+    /// A missing answer is a failure, too.
     pub answered: bool,
 }
 
-/// How a seed came out.
+/// The verdict on a seed.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
     Right,
     Wrong,
-    /// Statics says that the load cannot be held, and the program says so.
+    /// The contacts cannot hold the load by statics, and the program gives no answer.
     RightlyRefused,
     NotConverged,
     Refused,
@@ -125,25 +125,25 @@ pub struct Result {
     pub rough: bool,
     pub coulomb: bool,
     pub verdict: Verdict,
-    /// What is wrong, or what the program said.
+    /// The worst finding, or the message of the program.
     pub message: String,
     /// Kind of the worst finding.
     pub what: &'static str,
     /// The program warned that it dropped conditions.
     pub dropped: bool,
     pub iterations: Vec<usize>,
-    /// Of each step, the stage of the solver that answered.
+    /// The stage of the solver that gave the answer, for each step.
     pub answered: Vec<&'static str>,
     pub margins: BTreeMap<&'static str, f64>,
-    /// Name of the twin with the difference of its answer, where it is none of the findings.
+    /// Name of the twin with the difference of its answer, if that is not a finding.
     pub twin: Option<(&'static str, f64)>,
-    /// Difference of the contact forces of another method; NaN where that one did not converge.
+    /// Difference of the contact forces of another method; NaN if that method did not converge.
     pub method: Option<f64>,
     pub dofs: usize,
     pub seconds: f64,
 }
 
-/// Runs all seeds; whether nothing is wrong, or lacks its answer where these are asked for.
+/// Runs all seeds; whether every answer is right, and with `answered` none is missing.
 pub fn run<P: Problem<D>, const D: usize>(options: &Options) -> std::result::Result<bool, String>
 where
     Case<D>: Solvable<D>,
@@ -156,7 +156,7 @@ where
     if let Some(folder) = &options.keep {
         std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
     }
-    // a panic is a result, told in the report
+    // a panic is a result, which the report counts
     std::panic::set_hook(Box::new(|_| {}));
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::new());
@@ -299,7 +299,7 @@ fn judge<P: Problem<D>, const D: usize>(
                 Verdict::NotConverged
             };
             result.message = message;
-            // the steps before are certified all the same
+            // the steps before are certified nevertheless
             if let Some(answer) = steps {
                 look(problem, &answer, result);
             }

@@ -1,10 +1,10 @@
-//! Sides of meshes as curves: points, normals, and what lies opposite a point.
+//! Sides of meshes as curves: points, normals, and the opposite point of a point.
 //!
 //! A side runs with its body on the left; its outward normal is the tangent turned by −90°. The normal as a field: the
 //! mean of the facets' unit normals where they meet smoothly, interpolated along each facet, or that of the true circle
-//! behind the side. Opposite a point x lies what the line x + s·n meets first, forwards or (overlap) backwards, on
+//! behind the side. Opposite a point x lies the first point of the line x + s·n, forwards or (overlap) backwards, on
 //! facets that look the other way.
-//! All facets are asked in turn: slow, and nothing that a tree of boxes could forget.
+//! All facets are searched in turn: slow, but without the possible gaps of a tree of boxes.
 
 use crate::cells::along;
 use crate::plane::{Vector, cross, dot, length, minus, plus, unit};
@@ -70,7 +70,7 @@ impl Facet {
 pub struct Hit {
     pub facet: usize,
     pub xi: f64,
-    /// Along the line.
+    /// Distance along the line.
     pub distance: f64,
 }
 
@@ -84,7 +84,7 @@ pub struct Curve {
     pub corners: bool,
     /// Largest length of a facet.
     pub longest: f64,
-    /// Of each facet the first one that it meets smoothly, over others or not.
+    /// For each facet the first facet of its smooth part.
     pub sheets: Vec<usize>,
     circle: Option<(Vector, f64)>,
     /// Facets at each node.
@@ -160,7 +160,7 @@ impl Curve {
             .find(|c| c.side == crate::corners::whole(side));
         Self {
             longest: facets.iter().fold(0.0, |s: f64, f| s.max(f.length)),
-            // the angle of a cosine that is one but for rounding
+            // the angle of a cosine that is one up to rounding
             corners,
             sheets,
             turn: if turn < 1e-7 { 0.0 } else { turn },
@@ -198,7 +198,7 @@ impl Curve {
         unit(sum.fold([0.0; 2], |s, (&normal, n)| plus(s, n, normal)))
     }
 
-    /// Replaces the normals at a node by another, where the two are no farther apart than the side turns there.
+    /// Replaces the normals at a node by another, if the angle between the two is at most the turn of the side there.
     pub fn believe_normal(&mut self, node: usize, normal: Vector) -> bool {
         let limit = (1.1 * self.turn + 1e-9).min(1.0);
         let mut near = true;
@@ -229,7 +229,7 @@ impl Curve {
         unit(sum)
     }
 
-    /// What a line from the side of another body meets.
+    /// The point of this side on a line from the side of another body.
     pub fn hit(&self, start: Vector, direction: Vector, deepest: f64) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         for (index, facet) in self.facets.iter().enumerate() {
@@ -249,7 +249,7 @@ impl Curve {
         best
     }
 
-    /// How far along a line the true circle lies from where the mesh was met; zero without a true circle.
+    /// Distance along a line from the point on the mesh to the true circle; zero without a true circle.
     pub fn true_offset(&self, at: Vector, direction: Vector) -> f64 {
         let Some((center, radius)) = self.circle else {
             return 0.0;
@@ -301,7 +301,7 @@ fn meetings(facet: &Facet, start: Vector, direction: Vector) -> Vec<f64> {
     let size = heights.iter().fold(0.0, |s: f64, h| s.max(h.abs()));
     let slack = 1e-10 * facet.length;
     if size == 0.0 || heights.iter().all(|h| *h > slack) || heights.iter().all(|h| *h < -slack) {
-        // a parabola may pass its ends and its middle on one hand only by less than its own rise
+        // beyond the heights of its three nodes, a parabola may rise at most by its own sagitta
         if heights.len() < 3 || size > 2.0 * facet.length {
             return Vec::new();
         }

@@ -1,4 +1,4 @@
-//! Asking the program: case text in, raw numbers out. The only file that knows the program.
+//! Calls of the program: case text in, raw numbers out. The only file that uses the library.
 
 use crate::raw::{self, Answer, Cell, Mesh, Row, Step};
 use crate::run::Problem;
@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// What the program said.
+/// The outcome of a run of the program.
 #[derive(Debug)]
 pub enum Outcome<A> {
     /// All steps are certified.
@@ -22,10 +22,10 @@ pub enum Outcome<A> {
     Slow,
 }
 
-/// What an observer throws to stop a run that takes too long.
+/// Panic payload with which the observer stops a run that takes too long.
 struct TooSlow;
 
-/// A folder for mesh files that goes when it is dropped.
+/// A folder for mesh files that is removed when it is dropped.
 pub struct Folder(PathBuf);
 
 impl Folder {
@@ -37,7 +37,7 @@ impl Folder {
         Ok(Self(path))
     }
 
-    /// Where it is.
+    /// Its path.
     pub fn path(&self) -> &Path {
         &self.0
     }
@@ -45,12 +45,12 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // what is left behind lies in the folder of temporary files
+        // an error is ignored: the folder is among the temporary files
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-/// What the library offers for the plane and for space, each by itself.
+/// Functions of the library that exist separately for the plane and for space.
 pub trait Solvable<const D: usize>: Sized {
     /// Reads the text of a case file.
     fn parsed(text: &str, folder: &Path) -> Result<Self, CaseError>;
@@ -149,7 +149,7 @@ where
     Outcome::NotConverged(failure.reason.clone(), steps)
 }
 
-/// The meshes that the program makes of a case file that needs no others.
+/// The meshes that the program makes from a case file without mesh files.
 pub fn meshes<K: Cell, const D: usize>(text: &str) -> Result<Vec<Mesh<D, K>>, String>
 where
     Case<D>: Solvable<D>,
@@ -166,7 +166,7 @@ where
 fn answer<K: Cell, const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Answer<D, K> {
     let meshes: Vec<Mesh<D, K>> = model.bodies.iter().map(|body| mesh(&body.mesh)).collect();
     let mut steps: Vec<Step<D>> = steps.iter().map(step).collect();
-    // a body that is not there yet has no displacements
+    // a body before its first step has no displacements
     for step in &mut steps {
         for (moves, mesh) in step.displacements.iter_mut().zip(&meshes) {
             moves.resize(mesh.points.len(), [0.0; D]);
@@ -212,7 +212,7 @@ fn mesh<K: Cell, const D: usize>(mesh: &dotyk::mesh::Mesh<D>) -> Mesh<D, K> {
 
 fn step<const D: usize>(solution: &Solution<D>) -> Step<D> {
     let contact = |contact: &dotyk::model::ContactSolution<D>| {
-        // told for the side that is named first, rows are those of the other one where that carries the forces
+        // resultants refer to the side that is named first, rows to the nonmortar side
         let turned = contact.first != contact.nonmortar;
         let sign = if turned { -1.0 } else { 1.0 };
         raw::Contact {

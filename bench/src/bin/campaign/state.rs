@@ -1,6 +1,6 @@
 //! Forces at the nodes of one load step, from its displacements alone.
 //!
-//! rest = internal − external is what supports and contacts exert on a node. Off both it must vanish; on a contact side it
+//! rest = internal − external is the force of supports and contacts on a node. At other nodes it must vanish; on a contact side it
 //! is the true contact force.
 
 use crate::elastic::{bedded, conditions, external, internal, nearest, of_support};
@@ -11,27 +11,27 @@ use crate::problem::{Bar, Body, Problem};
 use crate::raw::{Answer, Step};
 use std::collections::BTreeMap;
 
-/// Forces below this part of the force scale are rounding: a hundredth of what a wrong answer would show, ten times what
-/// the program promises (1e-8 of its own scale).
+/// Forces below this part of the force scale are rounding: a hundredth of the error of a wrong answer, ten times the limit of
+/// the program (1e-8 of its own scale).
 pub const FORCE: f64 = 1e-7;
 
-/// Displacements below this part of the displacement scale are rounding: the brief's limit at nodes.
+/// Displacements below this part of the displacement scale are rounding: the limit of the program at nodes.
 pub const MOVE: f64 = 1e-6;
 
-/// A stress that is there counts as one that moves a body by this part of what it would, were it let go.
+/// An initial stress counts in the displacement scale with this part of the displacement that its release would cause.
 const GIVEN: f64 = 0.1;
 
 /// Roundings of displacements in units of 2⁻⁵³ that add up at a node.
 pub const ROUNDINGS: f64 = 32.0;
 
-/// Force over modulus · displacement · thickness of the most slender body that is looked at closely.
+/// Force over modulus · displacement · thickness of the most slender body for which forces are checked sharply.
 pub const SLENDER: f64 = 1e-4;
 
 /// One load step, seen from its displacements.
 pub struct State {
-    /// What supports and contacts exert on each node of each body.
+    /// Forces of supports and contacts on each node of each body.
     pub rest: Vec<Vec<Vector>>,
-    /// How much of that may be rounding.
+    /// Rounding limit of these forces.
     pub limits: Vec<Vec<f64>>,
     pub conditions: Vec<Vec<Condition>>,
     /// Held directions of nodes.
@@ -43,11 +43,11 @@ pub struct State {
     pub moves: f64,
     /// Largest coordinate: positions are rounded to 2⁻⁵³ of it.
     pub size: f64,
-    /// What beds exert on each body.
+    /// Forces of beds on each body.
     pub beds: Vec<Vector>,
 }
 
-/// Conditions of supports that came later: nodes are held where they were in the step before.
+/// Conditions of supports that begin in a later step: nodes are held where they were in the step before.
 fn held_later(problem: &Problem, answer: &Answer, step: &Step, body: usize) -> Vec<Condition> {
     let mut all = Vec::new();
     for support in &problem.bodies[body].supports {
@@ -88,7 +88,7 @@ impl State {
             beds: Vec::new(),
         };
         let mut magnitudes = Vec::new();
-        // what other bodies move by hundreds leaves dust on one that hardly moves
+        // large displacements of other bodies leave rounding on a body that hardly moves
         let all = step.displacements.iter().flatten();
         let largest = all.fold(0.0, |s: f64, &u| s.max(length(u)));
         for ((body, mesh), moves) in problem
@@ -131,7 +131,7 @@ impl State {
             state.force = state.force.max(0.5 * sizes.sum::<f64>());
             state.moves = moves.iter().fold(state.moves, |s, &u| s.max(length(u)));
             let (low, high) = bounds(&mesh.points);
-            // beside what the stress that is there could do
+            // beside the displacement that the initial stress could cause
             let stress = body.more.initial.as_ref().map_or(0.0, |stress| {
                 let at = |x: Vector| {
                     stress
@@ -159,7 +159,7 @@ impl State {
             state.conditions.push(conditions);
         }
         for (place, body) in problem.bodies.iter().enumerate() {
-            // the force of a bar is no reaction, at either of its ends
+            // the force of a bar is not a reaction at either of its ends
             if let Some(bar) = &body.more.bar
                 && let Some((other, _)) = &bar.to
             {
@@ -180,7 +180,7 @@ impl State {
                 state.moves = state.moves.max(length(moved));
             }
         }
-        // where nothing presses, forces are dust of what such displacements could cause
+        // without pressure, forces are rounding of the forces that such displacements could cause
         let softest = problem
             .bodies
             .iter()
@@ -200,7 +200,7 @@ impl State {
         state
     }
 
-    /// What is known of the force on a node: without the directions that supports hold.
+    /// The known part of the force on a node: without the directions that supports hold.
     pub fn free(&self, body: usize, node: usize, force: Vector) -> Vector {
         free_part(force, self.held[body].get(&node))
     }

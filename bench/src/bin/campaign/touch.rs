@@ -1,4 +1,4 @@
-//! The geometry of a contact: which points of the nonmortar side face what, how far away.
+//! The geometry of a contact: points of the nonmortar side, the opposite points, and their distances.
 //!
 //! ```text
 //!   gap(x) = g₀(x) + n·(u_other(y) − u_own(x)) ≥ 0,      y = x + s·n
@@ -21,7 +21,7 @@ const POINTS: usize = 20;
 /// Two nodes coincide within this part of the facets there.
 const COINCIDENT: f64 = 1e-6;
 
-/// A point of the nonmortar side and what lies opposite.
+/// A point of the nonmortar side and its opposite point.
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// A facet that it lies on.
@@ -37,8 +37,8 @@ pub struct Sample {
     distance: f64,
     /// Smooth part of the other side.
     pub sheet: usize,
-    /// −s·ω of the opposite facet, as coefficients of its nodes' displacements: what the tangent feels when the other side is
-    /// carried on rigidly from y to x.
+    /// −s·ω of the opposite facet, as coefficients of its nodes' displacements: the tangential displacement due to the rigid
+    /// continuation of the other side from y to x.
     lever: Vec<(usize, Vector)>,
 }
 
@@ -57,7 +57,7 @@ impl Sample {
     }
 }
 
-/// What lies opposite a point.
+/// The opposite point of a point.
 struct Opposite {
     /// Contact normal.
     normal: Vector,
@@ -88,13 +88,13 @@ pub struct Touch<'a> {
     /// Nodes with a facet that faces something.
     pub faced: BTreeSet<usize>,
     pub faced_other: BTreeSet<usize>,
-    /// At nodes of the nonmortar side.
+    /// Samples at nodes of the nonmortar side.
     pub at_nodes: BTreeMap<usize, Sample>,
     /// Nodes that meet an obstacle between the faces of a sharp corner.
     pub met: BTreeSet<usize>,
-    /// Between them.
+    /// Samples between the nodes.
     pub between: Vec<Sample>,
-    /// Normals of the rows that are not those of the side.
+    /// Nodes at which the normal of a row disagrees with that of the side.
     pub wrong_normals: Vec<usize>,
 }
 
@@ -160,8 +160,8 @@ impl<'a> Touch<'a> {
         touch
     }
 
-    /// Overlaps are looked for up to this depth: of lists of sides, whose flanks may have sunk a little beside a corner, not through
-    /// the whole of a body.
+    /// Largest depth in the search for overlaps: small for lists of sides, so that the search does not pass through a whole body from
+    /// a flank that has sunk a little beside a corner.
     fn deepest(&self) -> f64 {
         let other = self.opposite.as_ref().map_or(0.0, |c| c.longest);
         let part = if self.contact.own.side.contains('+') {
@@ -188,7 +188,7 @@ impl<'a> Touch<'a> {
         }
     }
 
-    /// What lies opposite ξ of a facet: contact normal, distance, and the other side's shape functions.
+    /// The opposite point of ξ on a facet: contact normal, distance, and the other side's shape functions.
     fn opposite_at(&self, facet: usize, xi: f64) -> Option<Opposite> {
         let x = self.curve.facets[facet].point(xi);
         let n = self.curve.normal(facet, xi);
@@ -216,7 +216,7 @@ impl<'a> Touch<'a> {
         }
     }
 
-    /// Cuts every facet where what is opposite may change, and keeps the parts that face something.
+    /// Cuts every facet where the opposite facet may change, and keeps the parts that face the other side.
     fn find_facing(&mut self) {
         let mut facing = Vec::new();
         for index in 0..self.curve.facets.len() {
@@ -324,7 +324,7 @@ impl<'a> Touch<'a> {
         let theirs = others
             .into_iter()
             .all(|f| f.nodes.iter().all(|n| paired.contains(n)));
-        // a quadratic facet over two linear ones has their nodes, and is none of them
+        // a quadratic facet over two linear ones has their nodes without being one of them
         let known: BTreeSet<BTreeSet<usize>> = opposite
             .facets
             .iter()
@@ -389,8 +389,8 @@ impl<'a> Touch<'a> {
         }
     }
 
-    /// The facets around a node face several smooth parts of the other side, each with a condition of its own: none of them is that
-    /// of what lies opposite the node.
+    /// The facets around a node face several smooth parts of the other side, each with a condition of its own: no condition belongs to
+    /// the opposite point of the node alone.
     pub fn mixed(&self, node: usize) -> bool {
         let around = self.curve.around.get(&node);
         let around: Vec<usize> = around.into_iter().flatten().copied().collect();
@@ -401,7 +401,7 @@ impl<'a> Touch<'a> {
         !self.nodal && self.opposite.is_some() && sheets.len() > 1
     }
 
-    /// The distance between the sides as they are drawn.
+    /// The distance between the sides in the meshes.
     pub fn drawn(&self, sample: &Sample) -> f64 {
         sample.distance
     }
@@ -437,7 +437,7 @@ impl<'a> Touch<'a> {
         minus(other, sum(self.own, &sample.own))
     }
 
-    /// Displacement of the own side along the tangent, relative to the other side carried on rigidly to it.
+    /// Displacement of the own side along the tangent, relative to the rigid continuation of the other side.
     pub fn slip(&self, sample: &Sample, moves: &[Vec<Vector>], obstacle: Vector) -> f64 {
         let along = dot(turned(sample.normal), self.jump(sample, moves, obstacle));
         let turn =
@@ -532,7 +532,7 @@ fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<Opposite> {
                 };
                 dot(towards_body, n) < OPPOSED
             };
-            // nothing of it lies behind a point that is clear of it
+            // a point away from the obstacle has none of its surface behind it
             let clear = (length(minus(x, *center)) - radius) * if *inside { -1.0 } else { 1.0 };
             let ahead = |s: &f64| *s >= 0.0 || clear < 1e-12 * radius;
             let hits = on_circle(x, n, *center, *radius)?;

@@ -1,23 +1,23 @@
-//! A problem written another way, and how far the displacements of its answer are from those of the original.
+//! An equivalent problem, and the difference of its displacements from those of the original.
 
 use crate::raw::{Answer, Step};
 use crate::run::Problem;
 use crate::vector::{applied, bounds, length, minus, times, transposed};
 
-/// A twin, and how to find its answer in that of the original.
+/// A twin, and the map of its answer to that of the original.
 pub struct Twin<P, const D: usize> {
     pub name: &'static str,
     pub problem: P,
     pub lengths: f64,
     /// Rows of the rotation that carries the original onto it.
     pub turn: [[f64; D]; D],
-    /// Bodies of the twin that make each body of the original.
+    /// Bodies of the twin that form each body of the original.
     pub parts: Vec<Vec<usize>>,
     /// Relative difference that is allowed.
     pub tolerance: f64,
 }
 
-/// Steps whose displacements are less than this part of the largest ones have none.
+/// Steps with displacements below this part of the largest ones count as steps without displacements.
 const DUST: f64 = 1e-9;
 
 /// The largest difference of the displacements of two answers in any step, relative to the largest displacement.
@@ -37,7 +37,7 @@ pub fn difference<P: Problem<D>, const D: usize>(
     let overall = answer.steps.iter().map(largest).fold(0.0, f64::max);
     for (mine, theirs) in answer.steps.iter().zip(&other.steps) {
         let largest = largest(mine);
-        // nothing moves but by rounding
+        // the displacements are only rounding
         if largest <= DUST * overall {
             continue;
         }
@@ -60,7 +60,7 @@ pub fn difference<P: Problem<D>, const D: usize>(
     Some(worst)
 }
 
-/// Displacements of a body in the answer of a twin, at its own nodes and in its own units.
+/// Displacements of a body of the original from the answer of a twin, at the original's nodes and in its units.
 fn found<P, K, const D: usize>(
     points: &[[f64; D]],
     parts: &[usize],

@@ -1,4 +1,4 @@
-//! The same problem, written another way: the answer must be the same.
+//! Equivalent problems: the answer must be the same.
 //!
 //! | Twin | What changes | What must agree |
 //! |---|---|---|
@@ -8,8 +8,8 @@
 //! | split | a rectangle cut in two that are glued node by node | everything, 1e-6 |
 //! | sides | nonmortar and mortar swapped | everything where nodes coincide, 1e-6; else what the mesh resolves |
 //!
-//! "Everything" is what is unique: displacements without the rigid motion of each body that supports leave free, relative to
-//! the largest of them. With Coulomb friction answers need not be unique; a difference is told, and is no finding.
+//! "Everything" is the unique part: displacements without the rigid motion of each body that supports leave free, relative to
+//! the largest of them. With Coulomb friction answers need not be unique; a difference is reported, but is not a finding.
 
 use crate::amount::carried_vector;
 use crate::cells::Kind;
@@ -26,7 +26,7 @@ use crate::raw::{Answer, Mesh};
 /// A twin of a problem of the plane.
 type Twin = crate::twin::Twin<Problem, 2>;
 
-/// A problem in other units and turned by an angle about the origin; `None` where a generator of meshes cannot turn.
+/// A problem in other units and turned by an angle about the origin; `None` if the mesh generator cannot turn a body.
 pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Option<Problem> {
     let stress = forces / (lengths * lengths);
     let place = |x: Vector| times(lengths, rotated(x, angle));
@@ -38,7 +38,7 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
     if let Some(other) = &mut twin.other {
         other.problem = carried(&other.problem, lengths, forces, angle)?;
     }
-    // where points are as far apart one way as another, their rounding decides how a region is meshed
+    // the mesh of a region depends on rounding where distances between points are equal
     if twin.drawing.is_some() || (angle != 0.0 && !twin.sections.is_empty()) {
         return None;
     }
@@ -146,7 +146,7 @@ pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Opti
     Some(twin)
 }
 
-/// A support elsewhere; one axis alone can only be turned onto another, or into a normal by who knows the side.
+/// A support in the turned problem; one axis alone can only be turned onto another axis.
 fn carried_support(support: &Support, lengths: f64, angle: f64) -> Option<Support> {
     let place = match &support.place {
         Place::Side(side) => Place::Side(side.clone()),
@@ -383,7 +383,7 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
             let plain = more.springs.is_empty()
                 && more.initial.is_none()
                 && more.bar.is_none()
-                // a part that does not yield has other cells
+                // the formulation of the cells depends on yielding: two parts may differ in it
                 && more.metal.is_none()
                 && !problem.bodies.iter().any(barred)
                 && problem.sections.iter().all(|s| s.body != body.name);
@@ -439,7 +439,7 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
             cells,
             diagonals,
         };
-        // what is on the far side belongs to the other part
+        // objects beyond the cut belong to the other part
         let gone = [["right", "top"], ["left", "bottom"]][usize::from(!low)][axis];
         half.supports
             .retain(|s| s.place != Place::Side(gone.to_string()));
@@ -519,7 +519,7 @@ pub fn twins(problem: &Problem, answer: &Answer, random: &mut Random) -> Vec<Twi
     match random.count(0, 4) {
         0 => {
             let forces = random.magnitude(1e-6, 1e6);
-            // a mesher meets other roundings with other lengths: powers of two round nothing
+            // rounding in the mesh generator depends on the lengths: scaling by powers of two is exact
             let outline = |b: &Body| matches!(b.shape, Shape::Outline { .. } | Shape::Disc { .. });
             let lengths = if problem.bodies.iter().any(outline) {
                 2.0f64.powi(random.count(0, 40) as i32 - 20)

@@ -1,5 +1,5 @@
-//! Resultants and moments of contacts: do both sides feel the same, and could pushes from where the sides face each other
-//! have them?
+//! Resultants and moments of contacts: are both sides in balance, and could pushes at points that face the other side have these
+//! resultants?
 //!
 //! Contacts that share nodes of a body form a cluster there: the true forces are known of the cluster. The wrench
 //! (force, moment about the middle of the cluster) must lie in the cone of wrenches
@@ -32,11 +32,11 @@ struct Cluster {
     nodes: BTreeSet<usize>,
 }
 
-/// The true force on a cluster with its moment about a point, and by how much both may be off.
+/// The true force on a cluster with its moment about a point, and the tolerance of both.
 struct Wrench {
     force: Vector,
     moment: f64,
-    /// Directions in which no node is held: what is known of the force.
+    /// Directions in which no node is held: the force is known in these.
     directions: Vec<Vector>,
     /// No node is held: the moment is known, too.
     free: bool,
@@ -93,7 +93,7 @@ fn wrench(view: &View<'_>, cluster: &Cluster) -> Option<Wrench> {
             }
         }
     }
-    // radial forces sum to nothing around the axis
+    // radial forces sum to zero around the axis
     let radial = [1.0, 0.0];
     if view.problem.analysis.axisymmetric() && held.iter().all(|&h| cross(h, radial).abs() > 1e-9) {
         held.push(radial);
@@ -150,7 +150,7 @@ pub fn check_wrenches(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Compares a force with one that is told, in the directions in which it is known.
+/// Compares a force with the reported one, in the directions in which it is known.
 fn compare_forces(
     judgement: &mut Judgement,
     what: &'static str,
@@ -164,7 +164,7 @@ fn compare_forces(
     }
 }
 
-/// Forces and moments of both sides of a contact sum to nothing.
+/// Forces and moments of both sides of a contact sum to zero.
 fn check_reaction(
     judgement: &mut Judgement,
     view: &View<'_>,
@@ -199,7 +199,7 @@ fn check_sum(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster, foun
         let sign = if touch.own == cluster.body { 1.0 } else { -1.0 };
         if !touch.nodal {
             turn = turn.max(touch.curve.turn);
-            // at a corner a row stands for two directions, against a plane it tells another one than it pushes along
+            // at a corner a row stands for two directions; an integrated row against a plane reports another direction than that of its push
             let plane = touch.other.is_none() && !touch.curve.straight();
             if touch.curve.corners || plane {
                 return;
@@ -263,7 +263,7 @@ fn check_footprint(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster
     let scale = 1.0 / found.magnitude;
     let target = flat(times(scale, found.force), scale * found.moment);
     let off = distance(&columns, target);
-    // between points on a curve pushes act from where no point was taken
+    // on a curve, pushes also act between the sampled points
     let limit = OUTSIDE + scale * 10.0 * found.slack + 0.05 * turn * turn + FORCE;
     judgement.compare("footprint", off, limit, || places(view, cluster));
 }
@@ -280,7 +280,7 @@ fn edges(view: &View<'_>, c: usize, x: Vector, normal: Vector) -> Vec<Vector> {
     let along = turned(normal);
     match &touch.contact.law {
         Law::Coulomb(coefficient) => {
-            // a coefficient that varies counts with what it is within a facet
+            // a coefficient that varies counts with its largest value within a facet
             let mu = coefficient.at(x, view.step.time);
             let near = touch.curve.longest;
             let around = [[near, 0.0], [-near, 0.0], [0.0, near], [0.0, -near]];
@@ -293,7 +293,7 @@ fn edges(view: &View<'_>, c: usize, x: Vector, normal: Vector) -> Vec<Vector> {
                 .flat_map(|p| [plus(p, mu, along), plus(p, -mu, along)])
                 .collect()
         }
-        // a bound that does not depend on the pressure: shear alone is no cone, any multiple is allowed here
+        // a bound that does not depend on the pressure defines no cone: any multiple of the shear is allowed here
         Law::Tresca(_) => {
             pushes.push(along);
             pushes.push(times(-1.0, along));

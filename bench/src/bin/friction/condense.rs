@@ -5,18 +5,18 @@
 //! ```
 //!
 //! M (dofs, dofs): masses, or a stiffness with them; H (dofs, n). Where M is symmetric (to rounding) W = XᵀX with
-//! X = L⁻¹H of a sparse Cholesky factor, so that W is symmetric, too. Some files hold an M that is not (measured: entries
-//! of 1e-7 of the largest that lack their mirror image): then M is taken as it is, by a dense LU.
+//! X = L⁻¹H of a sparse Cholesky factor, so that W is symmetric, too. Some files hold an unsymmetric M (measured: entries
+//! of 1e-7 of the largest without their mirror image): then M is used unchanged, by a dense LU.
 
 use dotyk::linalg::{
     Cholesky, Connectivity, Graph, Lu, Mat, SparseMatrix, SymmetricMatrix, fill_reducing_order,
     gram, transpose_product,
 };
 
-/// Parts of the largest entry by which an M that counts as symmetric may differ from its transpose.
+/// An M counts as symmetric if it differs from its transpose by at most this part of its largest entry.
 const SYMMETRY: f64 = 1e-13;
 
-/// Most rows of an M that is not symmetric.
+/// Most rows of an unsymmetric M.
 const DENSE: usize = 5000;
 
 /// M, H, f, w.

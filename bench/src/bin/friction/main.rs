@@ -63,9 +63,9 @@ enum Run {
     Unreadable(String),
     /// The solver gave an answer.
     Answered(Answer),
-    /// Its time was over.
+    /// The time limit was reached.
     Limit,
-    /// No answer, and why.
+    /// No answer, with the reason.
     Ended(String),
 }
 
@@ -321,7 +321,7 @@ fn in_own_process(
         Ok(Some(_)) => within(&lines, arguments.limit).map(|line| Answer::parse(&line)),
         _ => Ok(None),
     };
-    // Whatever it still does is of no interest; a process that has ended is no error.
+    // Errors are ignored: the process may have ended already.
     let _ = child.kill();
     let _ = child.wait();
     let complaint = || {

@@ -15,8 +15,8 @@
 //! ```
 //!
 //! It vanishes exactly at solutions. With aW and bq in place of W and q (a, b > 0), the solution is (b/a)r and ϱ becomes ϱ/a:
-//! numerator and denominator are multiplied by b/a, both, and the error stays what it was. ϱ|q| keeps the
-//! denominator from vanishing with r: at r = 0 the error is at most √(1 + μ²), whatever the units. A scale of zero counts
+//! numerator and denominator are both multiplied by b/a, and the error does not change. ϱ|q| keeps the
+//! denominator from vanishing with r: at r = 0 the error is at most √(1 + μ²) in any units. A scale of zero counts
 //! as 1.
 //!
 //! **The error of the literature** has ϱ = 1 and |q| below: it changes with the units of W (with W about 1e-5, 1e-8 there
@@ -33,7 +33,7 @@ const RANKED: usize = 2000;
 /// Largest size for which W is taken with its zeros.
 const SPARSE: usize = 600;
 
-/// Parts of the largest column below which a column adds nothing to the rank.
+/// Columns below this part of the largest column do not count in the rank.
 const RANK_TOLERANCE: f64 = 1e-10;
 
 /// W, q, μ.
@@ -95,7 +95,7 @@ impl Problem {
         (low, self.friction.iter().copied().fold(0.0, f64::max))
     }
 
-    /// W as it is, without its zeros where it is large.
+    /// W unchanged; a large W without its zeros.
     fn compliance(&self) -> Compliance {
         match self.size() > SPARSE {
             true => Compliance::Sparse(self.matrix.clone()),
@@ -103,7 +103,7 @@ impl Problem {
         }
     }
 
-    /// The dual problem with F = W as it is and d = −q.
+    /// The dual problem with F = W and d = −q.
     pub fn dual(&self) -> Result<DualProblem, DualError> {
         let block =
             |&coefficient: &f64| Friction::Coulomb { coefficient }.block(self.dimension - 1);
@@ -162,7 +162,7 @@ impl Problem {
         self.natural_map(r, 1.0) / one_if_zero(norm(&self.free))
     }
 
-    /// Numerical rank of W, by orthogonalisation of its columns, always the longest that is left; `None` above 2000.
+    /// Numerical rank of W, by orthogonalisation of its columns, the longest remaining one first; `None` above 2000.
     pub fn rank(&self) -> Option<usize> {
         let n = self.size();
         if n > RANKED {

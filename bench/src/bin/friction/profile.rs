@@ -4,7 +4,7 @@
 //!   profile of s at τ = #{p: t(p, s) ≤ τ · min over s' of t(p, s')} / #{p}
 //! ```
 //!
-//! Times of problems that are not solved are infinite; times below a millisecond count as one, they say nothing.
+//! Times of problems that are not solved are infinite; times below a millisecond count as a millisecond, since they mean nothing.
 //! As described in Dolan & Moré (2002).
 
 use std::fmt::Write;
@@ -12,10 +12,10 @@ use std::fmt::Write;
 /// τ of the columns of the text.
 pub const FACTORS: [f64; 8] = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 1000.0];
 
-/// Shortest time that is told from others, in seconds.
+/// Shortest distinguished time, in seconds.
 const SHORTEST: f64 = 1e-3;
 
-/// Lines that must be told apart, also by readers who see red and green alike (after Okabe and Ito).
+/// Colours of the lines, distinct also with red-green blindness (after Okabe and Ito).
 const COLOURS: [&str; 8] = [
     "#c2410c", "#0b6aa8", "#00795b", "#8a3d7c", "#8a6d00", "#3a4a5a", "#1d2733", "#5a6672",
 ];
@@ -58,7 +58,7 @@ fn within(ratios: &[f64], factor: f64) -> usize {
     ratios.partition_point(|&ratio| ratio <= factor)
 }
 
-/// The profile as a table, and how many are solved at all.
+/// The profile as a table, and the number of solved problems.
 pub fn text(all: &[Times]) -> String {
     let (ratios, problems) = ratios(all);
     let width = ratios

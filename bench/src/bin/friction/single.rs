@@ -1,7 +1,7 @@
 //! One problem and one solver, in a process of their own.
 //!
-//! The process prints two lines: what the problem is, as soon as it is read, and what the solver found. In between only the
-//! solver works, so that whoever waits can end it when its time is over.
+//! The process prints two lines: the facts of the problem, as soon as it is read, and the answer of the solver. In between only
+//! the solver works, so that the parent process can enforce the time limit.
 
 use crate::problem::Problem;
 use crate::{hdf5, text};
@@ -17,20 +17,20 @@ use std::time::Instant;
 /// Endings of the formats.
 const ENDINGS: [&str; 4] = [".dat.gz", ".dat", ".hdf5", ".h5"];
 
-/// What a problem is.
+/// Facts of a problem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
     /// Components of a contact.
     pub dimension: usize,
     /// Number of contacts.
     pub contacts: usize,
-    /// Numerical rank of W, where it is computed.
+    /// Numerical rank of W, if computed.
     pub rank: Option<usize>,
     /// Smallest and largest coefficient of friction.
     pub friction: (f64, f64),
 }
 
-/// What a solver found.
+/// The answer of a solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// Its iterations.
@@ -41,7 +41,7 @@ pub struct Answer {
     pub scaled: f64,
     /// Error of the literature.
     pub literature: f64,
-    /// What the solver said where it did not converge.
+    /// Message of the solver if it did not converge.
     pub complaint: Option<String>,
 }
 
@@ -134,7 +134,7 @@ pub fn solve(problem: &Problem, solver: &dyn ContactSolver) -> Result<Answer, St
 }
 
 impl Facts {
-    /// Of a problem.
+    /// The facts of a problem.
     pub fn of(problem: &Problem) -> Self {
         Self {
             dimension: problem.dimension,
@@ -202,7 +202,7 @@ impl Answer {
     }
 }
 
-/// What the process does: reads, prints the facts, solves, prints the answer. Errors in words.
+/// The work of the process: reads, prints the facts, solves, prints the answer. Errors in words.
 pub fn run(path: &Path, name: &str, tolerance: f64) -> Result<(), String> {
     let solver = solver(name, tolerance)?;
     let problem = read(path)?;

@@ -11,10 +11,10 @@
 //! |---|---|
 //! | 0 | rows, columns, the entries row by row |
 //! | 1 | blocks, block rows, block columns, cumulative rows, cumulative columns, lengths of two indices, the indices (begin of each block row; block column of each block), then each block: its number, its entries column by column |
-//! | 2 | 2 (compressed columns) or 1 (triplets), then what CSparse prints: `col j : locations a to b` and `i : x`, or `i j : x`; numbers from 0 |
+//! | 2 | 2 (compressed columns) or 1 (triplets), then the printout of CSparse: `col j : locations a to b` and `i : x`, or `i j : x`; numbers from 0 |
 //!
-//! White space separates, lines mean nothing. A flag that tells whether a solution follows may end the file. A problem is global where
-//! after the first matrix a matrix follows that has as many rows, and a column per contact unknown.
+//! White space separates, line ends have no meaning. A flag for a following solution may end the file. A problem is global if the
+//! first matrix is followed by a matrix with the same number of rows and a column per contact unknown.
 //!
 //! As described in the sources of Siconos (`NumericsMatrix`, `FrictionContactProblem`).
 

@@ -1,20 +1,20 @@
-//! All changes in one program: a copy of the workspace in which each place asks at run time whether it is the one.
+//! All changes in one program: a copy of the workspace in which each place checks at run time whether its change is active.
 //!
 //! `a + b` becomes `(if crate::dotyk_mutant(7) { a - b } else { a + b })`. So the tests are built once, and not once for
-//! each change. The number of the change comes from an environment variable of the copy; the program itself has none.
+//! each change. The copy reads the number of the change from an environment variable; the program itself does not.
 
 use crate::places::{Bytes, Piece, Place};
 use std::path::{Path, PathBuf};
 
-/// Environment variable: the change that is made.
+/// Environment variable: the active change.
 pub const CHANGE: &str = "DOTYK_MUTANT";
-/// Environment variable: a file that takes the number of each place that is reached, one per line.
+/// Environment variable: a file for the numbers of the reached places, one per line.
 pub const REACHED: &str = "DOTYK_REACHED";
 
-/// What the library of the copy begins and ends with.
+/// Code at the beginning and the end of the library of the copy.
 const HEAD: &str = "#![allow(warnings, unconditional_panic, arithmetic_overflow)]\n";
 const TAIL: &str = r#"
-/// Is this the change that is made?
+/// Is this change active?
 pub fn dotyk_mutant(number: usize) -> bool {
     use std::sync::OnceLock;
     use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,7 +32,7 @@ pub fn dotyk_mutant(number: usize) -> bool {
     *change == Some(number)
 }
 "#;
-/// The copy is built for one run of its tests; what wraps around is a mistake that tests see.
+/// The copy is built for one run of its tests; with overflow checks, a wrap-around is a failure of a test.
 const PROFILE: &str = "\n[profile.release.package.dotyk]\nopt-level = 1\noverflow-checks = true\n";
 
 /// A place of a file of the workspace.
@@ -43,7 +43,7 @@ pub struct Mutant {
     pub place: Place,
 }
 
-/// Writes the changes into a copy of the workspace; numbers are indices of `mutants`, those in `dropped` are left out.
+/// Writes the changes into a copy of the workspace; their numbers are indices of `mutants`, those in `dropped` are omitted.
 pub fn write(
     root: &Path,
     to: &Path,
@@ -67,7 +67,7 @@ pub fn write(
     write_if_new(&to.join("Cargo.toml"), &(manifest + PROFILE))
 }
 
-/// The file is left as it is where nothing changes, so that it is not built again.
+/// An unchanged file is not written, so that it is not built again.
 fn write_if_new(path: &Path, text: &str) -> Result<(), std::io::Error> {
     match std::fs::read_to_string(path) {
         Ok(old) if old == text => Ok(()),
@@ -75,7 +75,7 @@ fn write_if_new(path: &Path, text: &str) -> Result<(), std::io::Error> {
     }
 }
 
-/// Copies a folder without what is hidden or built.
+/// Copies a folder without hidden files and build outputs.
 pub fn copy_folder(from: &Path, to: &Path) -> Result<(), std::io::Error> {
     std::fs::create_dir_all(to)?;
     for entry in std::fs::read_dir(from)? {
@@ -96,7 +96,7 @@ pub fn copy_folder(from: &Path, to: &Path) -> Result<(), std::io::Error> {
 
 /// The text with all these changes in it, each under its number.
 fn changed(text: &str, mut places: Vec<(usize, &Place)>) -> String {
-    // outer ones first; what is inserted before an expression stands outside of it
+    // outer changes first; an insertion before an expression counts as outside of it
     places.sort_by_key(|(_, place)| {
         let Bytes { start, end } = place.bytes;
         (start, start < end, std::cmp::Reverse(end))

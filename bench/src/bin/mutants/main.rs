@@ -1,4 +1,4 @@
-//! Do the tests notice? Small changes of the program, one at a time, before the tests that should fail.
+//! Do the tests notice errors? Small changes of the program, one at a time, against the tests that should fail.
 //!
 //! ```text
 //! cargo run --release -p dotyk-bench --bin mutants -- COPY_DIR [--seed N] [--count N]
@@ -7,8 +7,8 @@
 //! In the modules that compute, places are found where a small change makes another program: an operator, a comparison,
 //! a constant, a bound of a range, a sign, a function that answers at once. A sample of them, the same number from each
 //! module, is written into one copy of the workspace in COPY_DIR, each behind a switch. The tests of the tier are built
-//! once and run once each, which tells what each of them reaches; then each change is made and the tests run that reach
-//! it. `mutants.txt` in COPY_DIR says what became of each, survivors first. Changes that do not compile do not count.
+//! once and run once each, to find the places that each of them reaches; then each change is made and the tests run that reach
+//! it. `mutants.txt` in COPY_DIR lists the outcome of each, survivors first. Changes that do not compile do not count.
 
 mod copy;
 mod places;
@@ -27,7 +27,7 @@ use std::process::ExitCode;
 /// The modules that compute.
 const MODULES: [&str; 4] = ["dual", "solve", "contact", "fem"];
 /// Modules of the suite that take longer than all others together, and those that read the sources, which are changed. The
-/// tier is the other ones, and what is tested inside the library: the command in CONTRIBUTING.md.
+/// tier consists of the others, and of the unit tests of the library: the command in CONTRIBUTING.md.
 const LEFT_OUT: [&str; 4] = ["rates::", "mindlin::", "layers::", "tidy::"];
 /// Processes at a time.
 const PROCESSES: usize = 2;
@@ -105,7 +105,7 @@ fn measure(folder: &Path, seed: u64, count: usize) -> Result<(), String> {
     std::fs::write(&path, report).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// The same number of places from each module, as far as it has them.
+/// The same number of places from each module, or all places of a small module.
 fn sample(root: &Path, seed: u64, count: usize) -> Result<Vec<Mutant>, String> {
     let mut random = Random::new(seed);
     let mut mutants = Vec::new();
@@ -172,7 +172,7 @@ fn report(mutants: &[Mutant], fates: &[Fate]) -> String {
     text + &lines.concat()
 }
 
-/// What became of a change; survivors come first where lines are sorted.
+/// The outcome of a change; survivors come first in sorted lines.
 fn line(mutant: &Mutant, fate: &Fate) -> String {
     let (file, place) = (mutant.file.display(), &mutant.place);
     let (order, fate) = match fate {

@@ -1,10 +1,10 @@
-//! Where a program can be changed a little: the places of a source file, each with its change.
+//! Small changes of a program: the places of a source file, each with its change.
 //!
-//! A place is a range of bytes of the file and what stands there instead: pieces of the same file, and words between
-//! them. Ranges nest and never overlap otherwise, so that the changes of a file can all be written into one copy of it.
+//! A place is a range of bytes of the file and its replacement: pieces of the same file, and words between them. Two ranges
+//! are nested or disjoint, so that all changes of a file can be written into one copy of it.
 //!
-//! Left alone: tests, constants and what else is computed before the program runs, patterns, types, attributes, and what
-//! stands inside of macros.
+//! Not changed: tests, constants and other values computed at compile time, patterns, types, attributes, and the contents of
+//! macros.
 
 use std::ops::Range;
 use syn::spanned::Spanned;
@@ -17,7 +17,7 @@ pub type Bytes = Range<usize>;
 /// A piece of changed text.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Piece {
-    /// As it stands there, with the changes inside of it.
+    /// A piece of the file, with the changes inside of it.
     Same(Bytes),
     /// Other words.
     Words(String),
@@ -26,13 +26,13 @@ pub enum Piece {
 /// A place that can be changed.
 #[derive(Debug, Clone)]
 pub struct Place {
-    /// What is replaced; empty where something is inserted.
+    /// The replaced range; empty for an insertion.
     pub bytes: Bytes,
     /// Line in the file, from 1.
     pub line: usize,
     /// The change in words.
     pub what: String,
-    /// What stands there instead.
+    /// The replacement.
     pub changed: Vec<Piece>,
 }
 
@@ -95,7 +95,7 @@ impl Finder<'_> {
             BinOp::Ge(_) => &[">", "<"],
             _ => &[],
         };
-        // a condition that binds a name is no value
+        // a condition that binds a name is not an expression
         if !binds(whole) {
             for other in others {
                 self.replace(whole, binary.op.span().byte_range(), other);
@@ -110,7 +110,7 @@ impl Finder<'_> {
                 let suffix = n.suffix();
                 format!("{}{suffix}", value + 1)
             }),
-            // below, numbers are bounds of rounding: a little more or less of them says nothing
+            // smaller numbers are tolerances of rounding: a small change of them is not an error
             Lit::Float(n) => n.base10_parse::<f64>().ok().and_then(|value| match value {
                 0.0 => Some("0.1".to_string()),
                 value if value >= 1e-3 => Some(format!("{:?}", 1.1 * value)),
@@ -124,7 +124,7 @@ impl Finder<'_> {
         }
     }
 
-    /// The body of a function, left at its beginning with a value that says nothing.
+    /// The body of a function, left at its beginning with a trivial value.
     fn body(&mut self, name: &syn::Ident, output: &ReturnType, block: &syn::Block) {
         let values: &[&str] = match output {
             ReturnType::Default => &[""],
@@ -132,7 +132,7 @@ impl Finder<'_> {
                 "bool" => &["true", "false"],
                 "f64" => &["0.0", "1.0"],
                 kind if kind.starts_with("Result<") => &["Ok(Default::default())"],
-                // no value of these is there without a computation
+                // these types have no trivial value
                 "Self" => &[],
                 kind if kind.starts_with("impl ") || kind.starts_with('&') => &[],
                 _ => &["Default::default()"],

@@ -13,22 +13,22 @@ pub struct Test {
     pub name: String,
     /// Wall time alone in its process.
     pub time: Duration,
-    /// Which changes it comes past, by number.
+    /// The changes that it reaches, by number.
     pub reaches: Vec<bool>,
 }
 
-/// What became of a change.
+/// The outcome of a change.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fate {
     /// The copy does not compile with it.
     NotViable,
     /// One of these tests fails, or does not end.
     Caught(String),
-    /// All tests pass that reach it, this many.
+    /// All tests that reach it pass; their number.
     Survived(usize),
 }
 
-/// Runs cargo in the copy; the messages that it writes for programs.
+/// Runs cargo in the copy; its machine-readable messages.
 fn cargo(folder: &Path, arguments: &[&str]) -> Result<(bool, Vec<Value>), String> {
     let output = Command::new("cargo")
         .args(arguments)
@@ -46,7 +46,7 @@ fn cargo(folder: &Path, arguments: &[&str]) -> Result<(bool, Vec<Value>), String
 
 /// Numbers of the changes that the copy does not compile with; empty when it compiles.
 ///
-/// An error is put down to all changes on the lines that it names, or else to the last one before it.
+/// An error is attributed to all changes on the lines that it names, or else to the last change before it.
 pub fn not_viable(folder: &Path) -> Result<Vec<usize>, String> {
     let (compiles, messages) = cargo(folder, &["check", "--release", "-p", "dotyk", "--lib"])?;
     let mut found = Vec::new();
@@ -59,7 +59,7 @@ pub fn not_viable(folder: &Path) -> Result<Vec<usize>, String> {
         for span in message["spans"].as_array().into_iter().flatten() {
             let number = |key: &str| span[key].as_u64().unwrap_or(0) as usize;
             let file = span["file_name"].as_str().unwrap_or_default();
-            // of the standard library there is nothing to drop
+            // files of the standard library contain no changes
             let text = std::fs::read_to_string(folder.join(file)).unwrap_or_default();
             let (first, last) = (number("line_start"), number("line_end"));
             let lines = text.lines().take(last).skip(first.saturating_sub(1));
@@ -122,7 +122,7 @@ pub fn tests(folder: &Path, left_out: &[&str]) -> Result<Vec<Test>, String> {
     Ok(tests)
 }
 
-/// Runs a test without a change: how long it takes, and which of `count` changes it reaches.
+/// Runs a test without a change: its time, and the changes (of `count`) that it reaches.
 pub fn survey(folder: &Path, test: &Test, log: &Path, count: usize) -> Result<Test, String> {
     if log.exists() {
         std::fs::remove_file(log).map_err(|error| format!("{}: {error}", log.display()))?;
@@ -136,7 +136,7 @@ pub fn survey(folder: &Path, test: &Test, log: &Path, count: usize) -> Result<Te
     let mut test = test.clone();
     test.time = start.elapsed();
     test.reaches = vec![false; count];
-    // a test that reaches none leaves no file
+    // a test that reaches no change writes no file
     for line in std::fs::read_to_string(log).unwrap_or_default().lines() {
         if let Some(reached) = line
             .parse()
@@ -191,7 +191,7 @@ fn passes(
         .args(tests.iter().map(|test| &test.name))
         .envs(variables.iter().map(|(name, value)| (name, value)))
         .env("RAYON_NUM_THREADS", "1")
-        // where cargo starts them
+        // the folder in which cargo starts them
         .current_dir(folder.join("crates/dotyk"))
         .stdout(Stdio::null())
         .stderr(Stdio::null())

@@ -10,7 +10,7 @@ use dotyk::model::{BodyId, Gap, Law, Model};
 /// Sides of a box behind and before the neighbour along each axis.
 const SIDES: [[&str; 2]; 3] = [["left", "right"], ["front", "back"], ["bottom", "top"]];
 
-/// Numbers in [0, 1) without a pattern, the same ones every time.
+/// Pseudo-random numbers in [0, 1), the same in every run.
 struct Noise(u64);
 
 impl Noise {
@@ -22,7 +22,7 @@ impl Noise {
     }
 }
 
-/// Packs `row`³ boxes of `cells`³ hexahedra and lets them feel their weight.
+/// Packs `row`³ boxes of `cells`³ hexahedra under their own weight.
 pub fn solve(row: usize, cells: usize) -> Result<(), Failure> {
     let mut noise = Noise(0x9E37_79B9_7F4A_7C15);
     let mut planes: [Vec<f64>; 3] = Default::default();

@@ -1,4 +1,4 @@
-//! One linear solution of the first body of a model: the least that any analysis of its mesh costs, by the same kernels.
+//! One linear solution of the first body of a model: the least cost of any analysis of its mesh, by the same kernels.
 
 use crate::Failure;
 use dotyk::fem::assemble;
@@ -6,7 +6,7 @@ use dotyk::linalg::{SymbolicCholesky, expand_to_dofs, fill_reducing_order_in_spa
 use dotyk::model::Model;
 use std::time::Instant;
 
-/// Seconds of all processors that this process has taken; 0 where the system does not tell.
+/// Processor time of this process in seconds, over all processors; 0 if the system does not report it.
 pub fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let fields = text.rsplit(')').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Bodies in space: what one solution costs, what contact adds to it, and how costs grow with the number of bodies.
+//! Bodies in space: the cost of one solution, the extra cost of contact, and the growth of costs with the number of bodies.
 //!
 //! ```text
 //! cargo run --release -p dotyk-bench --bin space -- body [CELLS]             one block of CELLS³ hexahedra (21: 30 000 dofs)
@@ -10,7 +10,7 @@
 //! ```
 //!
 //! Seconds are wall time; the time of all processors is that of the whole process. Contact and one body take turns, `--repeat N`
-//! times, so that other load on the machine meets both alike. `--threads N` bounds the threads, `--friction F` gives the blocks
+//! times, so that other load on the machine affects both alike. `--threads N` bounds the threads, `--friction F` gives the blocks
 //! friction and shears them.
 
 mod boxes;
@@ -112,7 +112,7 @@ fn body(cells: usize) -> Result<(), Failure> {
     linear::solve(&model)
 }
 
-/// A turn by 50° about an axis that is along none of the coordinates.
+/// A turn by 50° about an axis oblique to all coordinates.
 fn tilted([x, y, z]: [f64; 3]) -> [f64; 3] {
     let about = |angle: f64, [a, b]: [f64; 2]| {
         let (sin, cos) = angle.sin_cos();
@@ -123,7 +123,7 @@ fn tilted([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, y, z]
 }
 
-/// Two blocks of `side`² · `layers` hexahedra each, one pressed on the other, in a place of the user's.
+/// Two blocks of `side`² · `layers` hexahedra each, one pressed on the other, moved by `place`.
 fn pair(
     side: usize,
     layers: usize,
@@ -164,7 +164,7 @@ fn whole(side: usize, layers: usize) -> Result<Model<3>, Failure> {
     Ok(model)
 }
 
-/// Tells what a solution took.
+/// Prints the costs of a solution.
 fn told(what: &str, solution: &Solution<3>) {
     let s = &solution.seconds;
     println!(

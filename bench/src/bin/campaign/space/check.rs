@@ -1,23 +1,23 @@
-//! Is a certified answer right? Everything is computed anew from displacements, and shares nothing with the solver.
+//! Is a certified answer right? Everything is computed anew from displacements, without any code of the solver.
 //!
 //! For every step that the program calls converged:
 //!
 //! | Check | What must hold | Limit, and why |
 //! |---|---|---|
 //! | support | u as prescribed | 1e-6 of the largest displacement |
-//! | motion | no body moves farther than the largest is long: strains are 1e-3 at most | a polyhedron that spins as far as it takes until the next node is closed, whose normal may be off the radius by any little |
+//! | motion | no body moves farther than the largest is long: strains are 1e-3 at most | none for a polyhedron that spins until its next node is closed, whose normal may be very near to the radius |
 //! | equilibrium | internal − external force = 0 off contacts, in free directions | 1e-7 of the force scale, and 32 roundings of \|K\|\|u\| |
 //! | outside | no contact force at a node none of whose facets faces the other side | ten times that |
 //! | row force | where conditions hold node by node: that force = what the rows say | the same |
 //! | row sum | else: resultant of the rows = resultant of the forces on either side | the same; on curved sides the angle between facets, over which a row's normal varies |
-//! | act and react | forces of both sides sum to nothing, moments too | the same, no allowance for curves |
-//! | resultant | resultant and moment that the program tells are those of the forces on the nonmortar side | the same |
+//! | act and react | forces of both sides sum to zero, moments too | the same, no allowance for curves |
+//! | resultant | the reported resultant and moment are those of the forces on the nonmortar side | the same |
 //! | obstacle | forces on an obstacle balance the force that moves it | the same |
-//! | reaction | the reactions that the program tells are those of the displacements | the same |
-//! | work | the forces of a contact do on the displacements of both sides the work of the rows on their gaps and slips | the same, times the largest displacement |
+//! | reaction | the reported reactions are those of the displacements | the same |
+//! | work | the work of the contact forces on the displacements of both sides equals that of the rows on their gaps and slips | the same, times the largest displacement |
 //! | footprint | a sum of pushes in the cone of friction from points that face the other side has this resultant and moment | 1e-6 of Σ\|force\| times length; curved: see [`wrench`](super::wrench) |
 //! | penetration | gap ≥ 0 in rows, at nodes with conditions of their own, at all points of plane linear sides | 1e-6 of the largest displacement |
-//! | overlap | gap ≥ 0 elsewhere, between nodes and for integrated conditions | what the mesh resolves, see [`resolution`], and half of what the gap varies on a facet and its neighbours |
+//! | overlap | gap ≥ 0 elsewhere, between nodes and for integrated conditions | the resolution of the mesh, see [`resolution`], and half of the variation of the gap on a facet and its neighbours |
 //! | jump | all components of the jump of a tie | like penetration and overlap |
 //! | tension | pressures ≥ 0 | the limit of equilibrium |
 //! | open force | no pressure where the gap is open, of the row and at its node | like penetration and overlap |
@@ -28,10 +28,10 @@
 //! | normal | normals of the rows are those of the side, or minus the plane's | the angle between neighbouring facets, and 1e-6 |
 //! | gap, slip | the columns of rows node by node are those of the displacements | like penetration |
 //! | gap | those of integrated rows lie among the gaps around their nodes | twice the range of these gaps, since functions change sign, and the sagittas |
-//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-6, ten times the limit of equilibrium, and what the program tells that rounding leaves open |
+//! | pressure | contact pressures are those of a uniform state, where one is known | 1e-6, ten times the limit of equilibrium, and the reported rounding of the force |
 //!
-//! That `work` agrees ties gaps and slips of integrated rows to the true displacements; what the rows say of themselves is
-//! judged sharply then.
+//! The check `work` relates gaps and slips of integrated rows to the true displacements, so that the laws in the rows can be
+//! judged sharply.
 
 use super::geometry::{Vector, across, bounds, dot, length, minus, plus};
 use super::problem::{Against, Form, Law, Problem};
@@ -46,7 +46,7 @@ use crate::raw::Status;
 use crate::state::MOVE;
 use std::collections::BTreeMap;
 
-/// A corner makes the pressure of a cell several times that of its neighbours: so many dents of a cell are allowed.
+/// Allowed gap in units of the dent of a cell: at a corner the pressure of a cell is several times that of its neighbours.
 const DENTS: f64 = 2.0;
 
 /// Judges all steps of an answer.
@@ -101,7 +101,7 @@ pub fn all_nodal(problem: &Problem, answer: &Answer) -> bool {
     touches(problem, answer).iter().all(|touch| touch.nodal)
 }
 
-/// One step with everything that checks look at.
+/// One step with all data of the checks.
 pub struct View<'a> {
     pub problem: &'a Problem,
     pub answer: &'a Answer,
@@ -114,14 +114,14 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
-    /// How messages call a node.
+    /// The name of a node in messages.
     pub fn node(&self, body: usize, node: usize) -> String {
         let [x, y, z] = self.answer.meshes[body].points[node];
         let name = &self.problem.bodies[body].name;
         format!("node {node} of {name} at ({x:.6e}, {y:.6e}, {z:.6e})")
     }
 
-    /// Both sides of a contact that have a mesh: body, skin, nodes that face something.
+    /// The sides of a contact that have a mesh: body, skin, nodes that face the other side.
     pub fn sides(&self, c: usize) -> impl Iterator<Item = (usize, &Skin, bool)> {
         let touch = &self.touches[c];
         let other = touch.other.zip(touch.opposite.as_ref());
@@ -142,7 +142,7 @@ impl View<'_> {
         members
     }
 
-    /// The gap at a sample of a contact; `None` where the obstacle is nowhere.
+    /// The gap at a sample of a contact; `None` if the position of the obstacle is unknown.
     pub fn gap(&self, c: usize, sample: &Sample) -> Option<f64> {
         let moves = &self.step.displacements;
         Some(self.touches[c].gap(sample, moves, self.obstacles[c]?))
@@ -162,7 +162,7 @@ fn placed_obstacle(touch: &Touch<'_>, step: &Step, c: usize, state: &State) -> O
         .filter(|r| r.pressure * r.weight > 1e-6 * largest);
     let samples = bearing.filter_map(|r| touch.at_nodes.get(&r.node));
     let samples: Vec<&Sample> = samples.collect();
-    // conjugate gradients for the normal equations: directions that no row feels stay where they are
+    // conjugate gradients for the normal equations: directions without any row get no displacement
     let felt = |f: &dyn Fn(&Sample) -> f64| {
         let each = samples.iter();
         each.fold([0.0; 3], |s, sample| plus(s, f(sample), sample.normal))
@@ -175,7 +175,7 @@ fn placed_obstacle(touch: &Touch<'_>, step: &Step, c: usize, state: &State) -> O
             let size = dot(rest, rest);
             let image = felt(&|s| dot(s.normal, along));
             let give = dot(along, image);
-            // the rest is rounding, or along what no row feels
+            // the rest is rounding, or in directions without any row
             if size <= 1e-28 * first || give <= 1e-12 * dot(along, along) {
                 break;
             }
@@ -187,7 +187,7 @@ fn placed_obstacle(touch: &Touch<'_>, step: &Step, c: usize, state: &State) -> O
     Some(moved)
 }
 
-/// How far the sides of a contact are from the surfaces that they stand for, where that matters.
+/// Distance of the sides of a contact from the surfaces that they approximate, if it matters.
 fn sagitta(view: &View<'_>, c: usize) -> f64 {
     let touch = &view.touches[c];
     if let Against::Obstacle { surface, .. } = &touch.contact.against
@@ -204,15 +204,16 @@ fn sagitta(view: &View<'_>, c: usize) -> f64 {
     }
 }
 
-/// What gaps between nodes, or of integrated conditions, may be on a mesh, facet by facet of the nonmortar side:
+/// The allowed overlap between nodes, or of integrated conditions, on each facet of the nonmortar side:
 ///
 /// ```text
 ///   DENTS·(p h/E' · (1 + (h/d)³) + sagitta) + rounding
 /// ```
 ///
 /// A pressure p that changes from cell to cell dents a cell of length h by p h/E'; a body thinner than that (d, along the
-/// normal) bends between nodes as a plate does; polyhedra that stand for one surface, so that all initial gaps are that small,
-/// are apart by their sagittas, and facets dip into a round obstacle. p is the largest of the rows on the facet and its neighbours, h the larger length of the facets of both sides.
+/// normal) bends between nodes as a plate does; polyhedra that approximate one surface (all initial gaps are that small) differ
+/// by their sagittas, and facets dip into a round obstacle. p is the largest of the rows on the facet and its neighbours, h the
+/// larger length of the facets of both sides.
 pub fn resolution(view: &View<'_>, c: usize) -> Vec<f64> {
     let touch = &view.touches[c];
     let traction = |row: &Row| {
@@ -260,7 +261,7 @@ fn check_supports(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Motions that nothing drives stay small.
+/// Undriven motions stay small.
 fn check_motion(judgement: &mut Judgement, view: &View<'_>) {
     let longest = view.answer.meshes.iter().map(|mesh| {
         let (low, high) = bounds(&mesh.points);
@@ -268,7 +269,7 @@ fn check_motion(judgement: &mut Judgement, view: &View<'_>) {
     });
     let longest = longest.fold(0.0, f64::max);
     for (body, moves) in view.step.displacements.iter().enumerate() {
-        // about a single node that bears it turns without a reason
+        // a body that spins until a second node bears has no limit; about a single node it must not turn
         let stopped = view.problem.spins && bears_on_two(view, body);
         let limit = if stopped { f64::INFINITY } else { longest };
         let most = moves.iter().fold(0.0, |s: f64, &u| s.max(length(u)));
@@ -279,8 +280,8 @@ fn check_motion(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Some contact bears on a body at two nodes or more, however little: the less the normal of the second is off the radius, the
-/// less it bears.
+/// Whether some contact bears on a body at two nodes or more, with forces of any size: the force of the second vanishes with the
+/// angle between its normal and the radius.
 fn bears_on_two(view: &View<'_>, body: usize) -> bool {
     let mut contacts = view.touches.iter().zip(&view.step.contacts);
     contacts.any(|(touch, raw)| {
@@ -318,11 +319,11 @@ fn check_equilibrium(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Normals of the rows; a support along an axis turns them into what it leaves free.
+/// Normals of the rows; a support along an axis turns them into the directions that it leaves free.
 fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     let touch = &view.touches[c];
     if touch.other.is_none() && !touch.nodal {
-        // integrated rows tell the side's own normal, not the plane's
+        // integrated rows report the side's own normal, not the plane's
         return;
     }
     for row in &view.step.contacts[c].rows {
@@ -334,7 +335,7 @@ fn check_normals(judgement: &mut Judgement, view: &View<'_>, c: usize) {
         if held(touch.own, row.node) || partner.is_some_and(|(b, &n)| held(b, n)) {
             continue;
         }
-        // that of one of the faces that meet at the node
+        // the normal of one of the faces that meet at the node
         let faces = touch.skin.normals_at(row.node);
         let off = faces
             .chain([sample.normal])
@@ -358,8 +359,8 @@ fn ranges(view: &View<'_>, c: usize) -> Vec<[f64; 2]> {
     ranges
 }
 
-/// What gaps between nodes may be on each facet: what the mesh resolves, and half of what the gap varies on the facet and its
-/// neighbours, over which a condition averages it; all of it where a polyhedron may spin, of which conditions see the corners.
+/// The allowed overlap between nodes on each facet: the resolution of the mesh, and half of the variation of the gap on the facet
+/// and its neighbours, over which a condition averages it; the whole variation if a polyhedron may spin onto its corners.
 fn coarse(view: &View<'_>, c: usize, ranges: &[[f64; 2]]) -> Vec<f64> {
     let touch = &view.touches[c];
     let facets = touch.skin.facets.iter().zip(resolution(view, c));
@@ -408,7 +409,7 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>, c: usize) {
             [l.min(r[0]), h.max(r[1])]
         })
     };
-    // an obstacle that a force moves is where the gaps at nodes are least, which those of conditions tell to the rest of these alone
+    // the position of an obstacle that a force moves is a least-squares fit to the gaps at nodes: it is known up to their residual
     let driven = touch.driven(view.step.time).is_some();
     let bearing = rows.iter().filter(|r| r.pressure > 1e-6 * largest);
     let left = bearing.filter_map(|r| touch.at_nodes.get(&r.node));
@@ -446,14 +447,14 @@ fn check_gaps(judgement: &mut Judgement, view: &View<'_>, c: usize) {
         if touch.nodal {
             judgement.compare("open force", gap, fine, place);
         } else if row.pressure > 1e-2 * largest {
-            // a condition may see a part of its facets that is far from its node
+            // a condition may cover a part of its facets that is far from its node
             let low = around(row.node)[0];
             judgement.compare("open force", gap.min(low), coarse[sample.facet], place);
         }
     }
 }
 
-/// The reactions that the program tells, where no contact touches a supported node.
+/// The reported reactions, if no contact touches a supported node.
 fn check_reactions(judgement: &mut Judgement, view: &View<'_>) {
     let members = view.members();
     for (body, held) in view.state.held.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Elasticity of space, written down once more: nodal forces of stresses and of loads, and what supports hold.
+//! Elasticity of space, written independently of the program: nodal forces of stresses and of loads, and the conditions of supports.
 //!
 //! ```text
 //!   internal force of node a   fₐ = ∫ σ(u) ∇Nₐ dV,     σ = 2G ε + λ tr(ε) I
@@ -16,8 +16,8 @@ use crate::held::{Condition, held_axes};
 /// Nodal forces of the stresses of a body.
 pub struct Internal {
     pub forces: Vec<Vector>,
-    /// Σ|K||u| at each node: rounding of the displacements shows in the forces with this times 2⁻⁵³. No displacement counts
-    /// less than the least one asked for.
+    /// Σ|K||u| at each node: rounding of the displacements changes the forces by this times 2⁻⁵³. Displacements below `least` count
+    /// as `least`.
     pub magnitudes: Vec<f64>,
 }
 
@@ -91,7 +91,7 @@ pub fn internal(mesh: &Mesh, body: &Body, moves: &[Vector], least: f64) -> Inter
         magnitudes: vec![0.0; moves.len()],
     };
     cells(mesh, &tables(mesh, Solid::rule), |table, nodes, places| {
-        // a translation of the cell strains nothing: without it less is rounded
+        // the translation of the cell is removed: it causes no strain, only rounding
         let first = moves[nodes[0]];
         let own: Vec<Vector> = nodes.iter().map(|&n| minus(moves[n], first)).collect();
         let largest = nodes
@@ -272,7 +272,7 @@ mod tests {
             for (&x, &f) in mesh.points.iter().zip(&found) {
                 let inner = (0..3).all(|d| x[d] > 1e-9 && x[d] < [2.0, 1.0, 1.5][d] - 1e-9);
                 assert!(!inner || length(f) < 1e-14, "{kind:?}");
-                // half of what σ·n does on the whole side lies on its own half of the boundary: moments of the forces
+                // half of the forces σ·n on the whole side belongs to its own half of the boundary: moments of the forces
                 right = plus(right, x[0], f);
             }
             // Σ x f = ∫ σ·e_x dV for a constant stress

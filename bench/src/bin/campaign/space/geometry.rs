@@ -9,7 +9,7 @@ pub type Vector = [f64; 3];
 /// The rows of a matrix.
 pub type Matrix = [Vector; 3];
 
-/// The directions x, y and z, and the rotation that leaves everything where it is.
+/// The directions x, y and z, and the identity rotation.
 pub const AXES: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// a × b.
@@ -26,7 +26,7 @@ pub fn across(a: Vector, n: Vector) -> Vector {
     plus(a, -dot(a, n), n)
 }
 
-/// Two unit vectors across a unit vector and each other.
+/// Two unit vectors perpendicular to a unit vector and to each other.
 pub fn tangents(n: Vector) -> [Vector; 2] {
     let least = (0..3).min_by(|&i, &j| n[i].abs().total_cmp(&n[j].abs()));
     let first = unit(across(AXES[least.unwrap_or(0)], n));

@@ -1,7 +1,7 @@
 //! Problems of space: bodies, obstacles and histories in any position, before a checker of their own.
 //!
-//! The same campaign as in the plane: [`families`] make problems, [`check`] judges answers by elements, geometry, cones and
-//! moments that share nothing with the solver, and a part of the problems is asked again turned, in other units and in
+//! The same campaign as in the plane: [`families`] make problems, [`check`] judges answers by its own elements, geometry, cones
+//! and moments, without any code of the solver, and a part of the problems is solved again turned, in other units and in
 //! another order.
 
 mod check;
@@ -35,7 +35,7 @@ type Answer = raw::Answer<3, Solid>;
 type Step = raw::Step<3>;
 type Row = raw::Row<3>;
 
-/// A mesh file, its nodes elsewhere.
+/// A mesh file with moved nodes.
 fn gmsh(mesh: &Mesh, place: impl Fn(Vector) -> Vector) -> String {
     let points: Vec<Vector> = mesh.points.iter().map(|&x| place(x)).collect();
     let cell = |(kind, nodes): &(Solid, Vec<usize>)| (kind.gmsh(), kind.in_gmsh(nodes));

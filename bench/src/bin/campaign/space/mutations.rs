@@ -1,4 +1,4 @@
-//! A checker that cannot fail is worth nothing: right answers, spoiled one way each, and the check that must notice.
+//! Tests of the checker: right answers, each spoiled in one way, and the check that must notice.
 
 use super::elastic::nearest;
 use super::geometry::{Vector, cross, plus, times};
@@ -165,7 +165,7 @@ fn stamp() -> Problem {
 fn round() -> Problem {
     let mut ball = body("block", ball([1.0, 0.5, 1.0], 1.0, [8, 1]), Solid::Hex8);
     ball.weight = constant([0.0, 0.0, -1e-4]);
-    // what the program knows of its own meshes
+    // the true surface, as the program knows it for its own meshes
     let sphere = Surface::sphere([1.0, 0.5, 1.0], 1.0);
     ball.surfaces = vec![("outer".to_string(), sphere)];
     let touch = contact("outer", on_floor(), Law::Frictionless);
@@ -205,7 +205,7 @@ fn last(answer: &mut Answer) -> &mut Step {
     answer.steps.last_mut().unwrap()
 }
 
-/// Moves a body by an amount that strains nothing.
+/// Moves a body rigidly.
 fn shift(answer: &mut Answer, body: usize, by: Vector) {
     let moves = &mut last(answer).displacements[body];
     moves.iter_mut().for_each(|u| *u = plus(*u, 1.0, by));
@@ -303,7 +303,7 @@ fn friction_is_judged_by_its_law() {
     noticed("smooth", &drawn(), "shear", |problem, _| {
         problem.contacts[0].law = Law::Frictionless;
     });
-    // another history: what stuck has slipped in this step, what slipped went the other way
+    // another history: stuck nodes have slipped in this step, slipping nodes went the other way
     noticed("stuck", &drawn(), "stuck slip", |_, answer| {
         for row in &mut answer.steps[1].contacts[0].rows {
             row.slip[0] += 1e-6;

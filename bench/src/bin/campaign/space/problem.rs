@@ -1,4 +1,4 @@
-//! A contact problem of space as plain data, its case file, and the same problem elsewhere.
+//! A contact problem of space as plain data, its case file, and the same problem turned and scaled.
 
 use super::geometry::{Matrix, Vector, applied, dot, plus};
 use super::solids::Solid;
@@ -15,7 +15,7 @@ pub type Number = Amount<3>;
 /// A vector that may depend on place and time.
 pub type Field = [Number; 3];
 
-/// What makes a mesh.
+/// The description of a mesh.
 #[derive(Debug, Clone)]
 pub enum Shape {
     Cuboid {
@@ -47,7 +47,7 @@ pub enum Shape {
     File { name: String, text: String },
 }
 
-/// What a support prescribes: all of the displacement, or the part along the outward normal.
+/// The prescribed part of the displacement: all components, or the one along the outward normal.
 #[derive(Debug, Clone)]
 pub enum Held {
     All(Field),
@@ -61,7 +61,7 @@ pub enum Load {
     Pressure { side: String, field: Number },
 }
 
-/// What a surface is.
+/// The form of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     Plane,
@@ -69,8 +69,8 @@ pub enum Form {
     Cylinder,
 }
 
-/// A surface, true or rigid: a point of the plane, the centre, a point of the axis; the normal, which has length one and points
-/// towards the body, nothing, the direction of the axis, which has length one.
+/// A surface, true or rigid. `point`: a point of the plane, the centre of the sphere, or a point of the cylinder's axis. `axis`: the
+/// unit normal of the plane towards the body, zero for the sphere, or the unit direction of the cylinder's axis.
 #[derive(Debug, Clone, Copy)]
 pub struct Surface {
     pub form: Form,
@@ -131,14 +131,14 @@ impl Body {
     }
 }
 
-/// What moves an obstacle.
+/// The drive of an obstacle.
 #[derive(Debug, Clone)]
 pub enum Drive {
     Displacement(Field),
     Force(Field),
 }
 
-/// What a side touches.
+/// The counterpart of a side in a contact.
 #[derive(Debug, Clone)]
 pub enum Against {
     /// The other side; named `nonmortar` and `mortar`, or only `sides`.
@@ -160,7 +160,7 @@ pub enum Gap {
     Given(f64),
 }
 
-/// What the interface bears.
+/// The law of the interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Law {
     Frictionless,
@@ -196,11 +196,11 @@ pub struct Problem {
     pub contacts: Vec<Contact>,
     pub times: Vec<f64>,
     pub known: Known,
-    /// Why that is known, for the report.
+    /// The reason of `known`, for the report.
     pub reason: String,
     /// The pressure of all contacts, where it is known to be the same everywhere.
     pub uniform: Option<f64>,
-    /// Round bodies may spin: polyhedra let them spin by what rounding decides, until the next node touches.
+    /// Round bodies may spin: rounding decides how far a polyhedron turns until its next node touches.
     pub spins: bool,
     pub method: String,
 }
@@ -210,19 +210,19 @@ pub fn constant(v: Vector) -> Field {
     v.map(Number::from)
 }
 
-/// A motion of space that carries lengths, and a change of the unit of force.
+/// A rotation, a translation, and a change of the units of length and force.
 #[derive(Debug, Clone, Copy)]
 pub struct Carry {
     /// Rows of the rotation.
     pub turn: Matrix,
     pub lengths: f64,
     pub forces: f64,
-    /// Where the origin goes.
+    /// The new place of the origin.
     pub shift: Vector,
 }
 
 impl Carry {
-    /// Where a point goes.
+    /// The new place of a point.
     pub fn point(&self, x: Vector) -> Vector {
         plus(self.shift, self.lengths, applied(self.turn, x))
     }
@@ -259,7 +259,7 @@ impl Problem {
         place.unwrap_or_else(|| panic!("the generator names a body {name} that is not there"))
     }
 
-    /// The same problem elsewhere and in other units, its meshes as files.
+    /// The same problem, moved and in other units, its meshes as files.
     pub fn carried(&self, meshes: &[Mesh], carry: &Carry) -> Self {
         let stress = carry.forces / (carry.lengths * carry.lengths);
         let mut other = self.clone();

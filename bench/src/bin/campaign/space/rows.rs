@@ -40,8 +40,8 @@ fn check_weights(judgement: &mut Judgement, view: &View<'_>, c: usize) {
     }
     if touch.nodal {
         let weights = touch.weights();
-        // where a round side turns away from what it faces, nothing touches and weights say nothing
-        // and of a sharp edge only some faces may touch
+        // where a round side turns away from the other side, there is no contact and weights have no meaning;
+        // of a sharp edge only some faces may touch
         let asked =
             known.filter(|r| touch.exact || r.pressure > 0.0 && touch.faces(r.node).is_empty());
         let asked: BTreeSet<usize> = asked.map(|r| r.node).collect();
@@ -52,7 +52,7 @@ fn check_weights(judgement: &mut Judgement, view: &View<'_>, c: usize) {
         }
         for (node, sum) in sums {
             let own = weights.get(&node).copied().unwrap_or(0.0);
-            // on a curved facet the area is no polynomial: another rule gives another number
+            // on a curved facet the area is no polynomial: its value depends on the Gauss rule
             let limit = if touch.skin.flat() { 1e-6 } else { 1e-3 };
             judgement.compare("weight", (sum - own).abs(), limit * own, || {
                 view.node(touch.own, node)
@@ -77,7 +77,7 @@ fn initial(touch: &Touch<'_>, row: &Row, spread: Option<f64>) -> Option<f64> {
     }
 }
 
-/// The work of the forces of a contact on the displacements is that of its rows on their gaps and slips:
+/// The work of the forces of a contact on the displacements equals that of its rows on their gaps and slips:
 ///
 /// ```text
 ///   Σ f·u = Σ pressure·weight·(gap − g₀) + Σ weight·shear·slip
@@ -101,7 +101,7 @@ fn check_work(judgement: &mut Judgement, view: &View<'_>, c: usize) {
                 return;
             }
             let moved = view.step.displacements[body][node];
-            // an obstacle feels the opposite force
+            // the opposite force acts on an obstacle
             let moved = match own && touch.other.is_none() {
                 true => minus(moved, obstacle),
                 false => moved,
@@ -168,7 +168,7 @@ fn check_row(
     if push > 10.0 * limit {
         judgement.compare("open force", row.gap, tiny, place);
     }
-    // held along a tangent there is less shear to speak of
+    // held along a tangent: a part of the shear is not determined
     let held = view.state.held[touch.own].contains_key(&row.node);
     if !touch.contact.law.rough() || held || most <= 0.0 {
         return;

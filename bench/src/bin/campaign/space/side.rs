@@ -1,8 +1,8 @@
-//! Sides of meshes as surfaces: points, normals, what a line meets; and surfaces that are known.
+//! Sides of meshes as surfaces: points, normals, intersections with lines; and true surfaces.
 //!
 //! The normal as a field: that of the true surface behind the side, else at each node the mean of the facets' unit normals
-//! where they meet smoothly, interpolated along each facet. All facets are asked in turn: slow, and nothing that a tree of
-//! boxes could forget.
+//! where they meet smoothly, interpolated along each facet. All facets are searched in turn: slow, but without the possible gaps
+//! of a tree of boxes.
 
 use super::Mesh;
 use super::geometry::{Vector, across, cross, dot, length, mean, minus, plus, times, unit};
@@ -40,9 +40,9 @@ fn places(kind: Kind) -> Vec<[f64; 2]> {
 /// A point of a facet.
 pub struct At {
     pub x: Vector,
-    /// Outward, as long as the area per reference area.
+    /// Outward normal, its length the area per reference area.
     pub normal: Vector,
-    /// Of the nodes of the facet.
+    /// Shape functions of the nodes of the facet.
     pub shape: Vec<f64>,
     tangents: [Vector; 2],
 }
@@ -55,7 +55,7 @@ pub struct Facet {
     pub points: Vec<Vector>,
     /// Unit normals at the nodes.
     normals: Vec<Vector>,
-    /// A ball around it.
+    /// A ball around the facet.
     centre: Vector,
     radius: f64,
 }
@@ -71,7 +71,7 @@ impl Facet {
             kind,
             normals: Vec::new(),
             centre,
-            // parabolas leave the hull of their nodes by less than that
+            // parabolas exceed the hull of their nodes by less than that
             radius: 1.3 * far.fold(0.0, f64::max),
             points,
         };
@@ -146,7 +146,7 @@ impl Facet {
                 return None;
             }
             xi = [xi[0] + by[0], xi[1] + by[1]];
-            // Newton's steps square what is left
+            // Newton's method squares the error in each step
             if reach < 1e-7 {
                 let inside = match triangle {
                     true => xi[0].min(xi[1]).min(1.0 - xi[0] - xi[1]) >= -1e-9,
@@ -165,7 +165,7 @@ impl Facet {
 pub struct Hit {
     pub facet: usize,
     pub xi: [f64; 2],
-    /// Along the line.
+    /// Distance along the line.
     pub distance: f64,
 }
 
@@ -201,7 +201,7 @@ impl Skin {
         for facet in &mut facets {
             let own = facet.normals.clone();
             for (&node, normal) in facet.nodes.iter().zip(&mut facet.normals) {
-                // a true surface has no corners, however few facets stand for it
+                // a true surface has no corners, even if few facets approximate it
                 let known = surface.is_some();
                 let meets = |n: &&Vector| known || dot(**n, *normal) > SHARP;
                 let smooth = meeting[&node].iter().filter(meets);
@@ -234,7 +234,7 @@ impl Skin {
         self.facets.iter().all(|f| f.kind.linear())
     }
 
-    /// Distance of the side from the smooth surface that it stands for, which may be curved in two directions.
+    /// Distance of the side from the smooth surface that it approximates, which may be curved in two directions.
     pub fn sagitta(&self) -> f64 {
         let bend = match self.linear() {
             true => self.turn / 4.0,
@@ -280,7 +280,7 @@ impl Skin {
         Some(places(facet.kind)[place])
     }
 
-    /// What a line from the side of another body meets.
+    /// The point of this side on a line from the side of another body.
     pub fn hit(&self, start: Vector, direction: Vector, deepest: f64) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         for (facet, own) in self.facets.iter().enumerate() {
@@ -299,7 +299,7 @@ impl Skin {
         best
     }
 
-    /// How far along a line the true surface lies from where the mesh was met; zero without one.
+    /// Distance along a line from the point on the mesh to the true surface; zero without one.
     pub fn true_offset(&self, at: Vector, direction: Vector) -> f64 {
         let meetings = self.surface.map_or(Vec::new(), |s| s.meets(at, direction));
         let nearest = meetings
@@ -323,7 +323,7 @@ impl Surface {
         if self.form == Form::Plane {
             return vec![dot(minus(self.point, x), self.axis) / dot(n, self.axis)];
         }
-        // a sphere has no axis to be across of
+        // the axis of a sphere is zero, so that `across` changes nothing
         let from = across(minus(x, self.point), self.axis);
         let along = across(n, self.axis);
         let (a, b) = (dot(along, along), dot(from, along));
@@ -348,7 +348,7 @@ impl Surface {
         }
         let sign = if inside { -1.0 } else { 1.0 };
         let faces = |s: &f64| sign * dot(self.normal(plus(x, *s, n)), n) < OPPOSED;
-        // nothing of it lies behind a point that is clear of it
+        // a point away from the obstacle has none of its surface behind it
         let clear = sign * (length(across(minus(x, self.point), self.axis)) - self.radius);
         let ahead = |s: &f64| *s >= 0.0 || clear < 1e-12 * self.radius;
         let facing = self.meets(x, n).into_iter().filter(ahead).filter(faces);

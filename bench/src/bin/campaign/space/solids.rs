@@ -1,4 +1,4 @@
-//! Cells of space, written down once more: nodes, facets, shape functions, Gauss rules.
+//! Cells of space, written independently of the program: nodes, facets, shape functions, Gauss rules.
 //!
 //! The reference cube is [−1,1]³, the tetrahedron has a corner at the origin and one at the end of each axis, the prism is the
 //! triangle of the first two axes times [−1,1]. Corners come first, then the middles of edges, of faces with four corners, of
@@ -93,7 +93,7 @@ impl Cell for Solid {
 }
 
 impl Solid {
-    /// Gauss points would be exact with straight edges and flat faces.
+    /// Whether Gauss points are exact with straight edges and flat faces.
     pub fn linear(self) -> bool {
         matches!(self, Tet4 | Hex8 | Prism6)
     }
@@ -177,7 +177,7 @@ impl Solid {
         })
     }
 
-    /// Reference coordinates of all nodes; of anything else that lies at corners, in the middles of edges, faces and the cell.
+    /// Reference coordinates of all nodes, which lie at corners and in the middles of edges, faces and the cell.
     pub fn places(self, corners: &[Vector]) -> Vec<Vector> {
         let mut places = corners.to_vec();
         if self.linear() {
@@ -319,7 +319,7 @@ fn cube(n: usize) -> Vec<(Vector, f64)> {
     along(&square.collect::<Vec<_>>(), n)
 }
 
-/// A number that knows its gradient.
+/// A number with its gradient.
 #[derive(Debug, Clone, Copy)]
 struct Slope {
     value: f64,

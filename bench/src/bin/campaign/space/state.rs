@@ -11,9 +11,9 @@ use std::collections::BTreeMap;
 
 /// One load step, seen from its displacements.
 pub struct State {
-    /// What supports and contacts exert on each node of each body.
+    /// Forces of supports and contacts on each node of each body.
     pub rest: Vec<Vec<Vector>>,
-    /// How much of that may be rounding.
+    /// Rounding limit of these forces.
     pub limits: Vec<Vec<f64>>,
     pub conditions: Vec<Vec<Condition<3>>>,
     /// Held directions of nodes.
@@ -45,7 +45,7 @@ impl State {
         let mut smallest = f64::INFINITY;
         let bodies = problem.bodies.iter().zip(&answer.meshes);
         for ((body, mesh), moves) in bodies.zip(&step.displacements) {
-            // what other bodies move by hundreds leaves dust on one that hardly moves
+            // large displacements of other bodies leave rounding on a body that hardly moves
             let inside = internal(mesh, body, moves, 0.01 * largest);
             let outside = external(mesh, body, step.time);
             let both = inside.forces.iter().zip(&outside);
@@ -72,7 +72,7 @@ impl State {
                 state.moves = state.moves.max(moved);
             }
         }
-        // where nothing presses, forces are dust of what such displacements could cause
+        // without pressure, forces are rounding of the forces that such displacements could cause
         let moduli = problem.bodies.iter().map(Body::plane_modulus);
         let softest = moduli.fold(f64::INFINITY, f64::min);
         state.force = state.force.max(SLENDER * softest * state.moves * smallest);
@@ -85,7 +85,7 @@ impl State {
         state
     }
 
-    /// What is known of the force on a node: without the directions that supports hold.
+    /// The known part of the force on a node: without the directions that supports hold.
     pub fn free(&self, body: usize, node: usize, force: Vector) -> Vector {
         free_part(force, self.held[body].get(&node))
     }

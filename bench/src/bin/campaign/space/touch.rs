@@ -1,4 +1,4 @@
-//! The geometry of a contact: which points of the nonmortar side face what, how far away.
+//! The geometry of a contact: points of the nonmortar side, the opposite points, and their distances.
 //!
 //! ```text
 //!   gap(x) = g₀(x) + n·(u_other(y) − u_own(x)) ≥ 0,      y = x + s·n
@@ -6,7 +6,7 @@
 //!
 //! linearised about the undeformed state, n the outward normal of the nonmortar side, against a plane obstacle minus the
 //! plane's. g₀ is s between the meshes, or between the true surfaces behind them, or zero, or given.
-//! Between two plane sides the polygons in which facets face each other are cut out exactly; else points are looked at.
+//! Between two plane sides the polygons in which facets face each other are cut out exactly; else points are sampled.
 
 use super::geometry::{Vector, cross, dot, length, mean, minus, plus, times, unit};
 use super::problem::{Against, Contact, Drive, Form, Gap, Law, Problem};
@@ -18,7 +18,7 @@ use crate::raw;
 use crate::side::SHARP;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Points along an edge of a facet at which a curved side is looked at.
+/// Sampled points along an edge of a facet of a curved side.
 const POINTS: usize = 5;
 
 /// Two nodes coincide within this part of the facets there.
@@ -30,7 +30,7 @@ const SWEEPS: usize = 200;
 /// Polygons of a smaller part of their facet are rounding.
 const SLIVER: f64 = 1e-9;
 
-/// A point of the nonmortar side and what lies opposite.
+/// A point of the nonmortar side and its opposite point.
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// A facet that it lies on.
@@ -68,15 +68,15 @@ pub struct Touch<'a> {
     pub nodal: bool,
     /// Coincident node of the other side.
     pub partners: BTreeMap<usize, usize>,
-    /// All facets of both sides are plane with straight edges, and `polygons` are what of each of them faces something.
+    /// All facets of both sides are plane with straight edges, and `polygons` are the parts of them that face the other side.
     pub exact: bool,
     pub polygons: Vec<Polygon>,
     /// Nodes with a facet that faces something.
     pub faced: BTreeSet<usize>,
     pub faced_other: BTreeSet<usize>,
-    /// At nodes of the nonmortar side.
+    /// Samples at nodes of the nonmortar side.
     pub at_nodes: BTreeMap<usize, Sample>,
-    /// Between them.
+    /// Samples between the nodes.
     pub between: Vec<Sample>,
 }
 
@@ -132,7 +132,7 @@ impl<'a> Touch<'a> {
         touch
     }
 
-    /// Overlaps are looked for up to this depth.
+    /// Largest depth in the search for overlaps.
     fn deepest(&self) -> f64 {
         let other = self.opposite.as_ref().map_or(0.0, |c| c.longest);
         self.skin.longest.max(other)
@@ -154,7 +154,7 @@ impl<'a> Touch<'a> {
         }
     }
 
-    /// What lies opposite a point of a facet, and the facet there.
+    /// The sample of a point of a facet, and the opposite facet.
     fn look(&self, facet: usize, at: &At) -> Option<(Sample, Option<usize>)> {
         let n = self.skin.normal(facet, at);
         let nodes = self.skin.facets[facet].nodes.iter().copied();
@@ -235,7 +235,7 @@ impl<'a> Touch<'a> {
         let mut near: BTreeSet<usize> = seen.iter().map(|s| s.0).collect();
         let mut near_other: BTreeSet<usize> = seen.iter().filter_map(|s| s.1).collect();
         if !self.exact {
-            // what faces something between the points that are looked at lies beside them
+            // facets that face the other side only between the sampled points lie beside them
             near = beside(&self.skin, &near);
             if let Some(opposite) = &self.opposite {
                 near_other = beside(opposite, &near_other);
@@ -253,7 +253,7 @@ impl<'a> Touch<'a> {
         seen
     }
 
-    /// What lies opposite a point of the plane of a facet, which is inside it.
+    /// The sample of a point of the plane of a facet, inside the facet.
     fn inside(&self, facet: usize, x: Vector) -> Option<(Sample, Option<usize>)> {
         let own = &self.skin.facets[facet];
         let (xi, _) = own.hit(x, unit(doubled(own.corners())))?;
@@ -315,7 +315,7 @@ impl<'a> Touch<'a> {
         }
     }
 
-    /// What an obstacle has opposite a node that looks along a normal.
+    /// The sample of a node against an obstacle, along a normal.
     fn beyond(&self, sample: &Sample, normal: Vector) -> Option<Sample> {
         let Against::Obstacle {
             surface, inside, ..
@@ -331,7 +331,7 @@ impl<'a> Touch<'a> {
         })
     }
 
-    /// The normals of the facets around a node where some meet at a sharp edge; else none.
+    /// The normals of the facets around a node at which some facets meet in a sharp edge; empty at other nodes.
     pub fn faces(&self, node: usize) -> Vec<Vector> {
         let faces: Vec<Vector> = self.skin.normals_at(node).collect();
         let sharp = |a: &Vector| faces.iter().any(|b| dot(*a, *b) <= SHARP);
@@ -341,8 +341,8 @@ impl<'a> Touch<'a> {
         }
     }
 
-    /// The direction along which a sharp corner meets a curved obstacle: that of the cone of its faces which is nearest to the
-    /// shortest way there. `None` where that is a face's.
+    /// The direction along which a sharp corner meets a curved obstacle: the direction in the cone of the normals of its faces that is
+    /// nearest to the shortest way to the obstacle. `None` if that is the normal of one face.
     fn met_at_corner(&self, node: usize, x: Vector) -> Option<Vector> {
         let Against::Obstacle {
             surface, inside, ..
@@ -355,7 +355,7 @@ impl<'a> Touch<'a> {
             return None;
         }
         let way = times(if *inside { 1.0 } else { -1.0 }, surface.normal(x));
-        // the weights of the faces, one after the other, until the sum comes no nearer
+        // the weights of the faces in turn, until their sum has converged
         let mut weights = vec![0.0; faces.len()];
         let mut rest = way;
         for _ in 0..SWEEPS {
@@ -380,7 +380,7 @@ impl<'a> Touch<'a> {
         }
     }
 
-    /// The sample of a row. Where facets meet sharply it belongs to some of them: to those whose mean normal fits its own.
+    /// The sample of a row. At a sharp corner the row belongs to some of the facets: those whose mean normal fits its own best.
     pub fn at_row(&self, row: &Row) -> Option<Sample> {
         let sample = self.at_nodes.get(&row.node)?;
         if self.met_at_corner(row.node, sample.x).is_some() {
@@ -473,7 +473,7 @@ impl<'a> Touch<'a> {
     }
 }
 
-/// Some of these normals cannot be reached from others by turns that are no corner.
+/// Whether some of these normals are separated from the others by sharp edges only.
 fn apart(faces: &[Vector]) -> bool {
     let mut reached = vec![false; faces.len()];
     for _ in faces {
@@ -485,7 +485,7 @@ fn apart(faces: &[Vector]) -> bool {
     reached.contains(&false)
 }
 
-/// Facets that share a node with some, and these.
+/// These facets, and all that share a node with one of them.
 fn beside(skin: &Skin, facets: &BTreeSet<usize>) -> BTreeSet<usize> {
     let nodes = facets.iter().flat_map(|&f| &skin.facets[f].nodes);
     nodes.flat_map(|n| skin.around[n].iter().copied()).collect()

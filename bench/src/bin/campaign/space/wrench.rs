@@ -1,5 +1,5 @@
-//! Resultants and moments of contacts: do both sides feel the same, and could pushes from where the sides face each other
-//! have them?
+//! Resultants and moments of contacts: are both sides in balance, and could pushes at points that face the other side have these
+//! resultants?
 //!
 //! Contacts that share nodes of a body form a cluster there: the true forces are known of the cluster. The wrench
 //! (force, moment about the middle of the cluster) must lie in the cone of wrenches
@@ -24,10 +24,10 @@ use crate::state::FORCE;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{PI, TAU};
 
-/// Wrenches outside the cone by less than this part of Σ|force|·length are inside.
+/// Wrenches outside the cone by less than this part of Σ|force|·length count as inside.
 const OUTSIDE: f64 = 1e-6;
 
-/// Edges of the pyramid that stands for the cone of friction.
+/// Edges of the pyramid that replaces the cone of friction.
 const EDGES: usize = 16;
 
 /// Edges of a cone of friction about a unit direction, of a pyramid inside it or around it.
@@ -56,11 +56,11 @@ struct Cluster {
     nodes: BTreeSet<usize>,
 }
 
-/// The true force on a cluster with its moment about a point, and by how much both may be off.
+/// The true force on a cluster with its moment about a point, and the tolerance of both.
 struct Wrench {
     force: Vector,
     moment: Vector,
-    /// Directions in which no node is held: what is known of the force. All three: the moment is known, too.
+    /// Directions in which no node is held: the force is known in these. If all three are free, the moment is known, too.
     directions: Vec<Vector>,
     /// Σ|force|.
     magnitude: f64,
@@ -102,7 +102,7 @@ fn wrench(view: &View<'_>, cluster: &Cluster) -> Wrench {
         .nodes
         .iter()
         .filter_map(|n| view.state.held[body].get(n));
-    // orthonormal: first what is held, then the rest
+    // orthonormal: first the held directions, then the others
     let mut basis: Vec<Vector> = Vec::new();
     let mut free = Vec::new();
     let axes = held.flatten().map(|&axis| (axis, false));
@@ -139,7 +139,7 @@ impl Wrench {
         self.directions.len() == 3
     }
 
-    /// Compares a force with one that is told, in the directions in which it is known.
+    /// Compares a force with the reported one, in the directions in which it is known.
     fn compare(
         &self,
         judgement: &mut Judgement,
@@ -195,7 +195,7 @@ pub fn check_wrenches(judgement: &mut Judgement, view: &View<'_>) {
     }
 }
 
-/// Forces and moments of both sides of a contact sum to nothing.
+/// Forces and moments of both sides of a contact sum to zero.
 fn check_reaction(
     judgement: &mut Judgement,
     own: &Wrench,
@@ -204,7 +204,7 @@ fn check_reaction(
 ) {
     let limit = 10.0 * (own.slack + other.slack);
     let sum = plus(own.force, 1.0, other.force);
-    // what both know: a direction that is free here, without what is held there
+    // directions known on both sides: free here, without the held directions there
     for &direction in &own.directions {
         let known = |&d: &Vector| plus(d, -1.0, direction).iter().all(|c| c.abs() < 1e-9);
         if other.free() || other.directions.iter().any(known) {
@@ -229,7 +229,7 @@ fn check_sum(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster, foun
         if !touch.nodal {
             turn = turn.max(touch.skin.turn);
             if touch.other.is_none() {
-                // integrated rows tell the side's own normal, not the plane's
+                // integrated rows report the side's own normal, not the plane's
                 for (&node, sample) in &touch.at_nodes {
                     let off = minus(sample.normal, touch.skin.normal_at(node));
                     turn = turn.max(length(off));
@@ -282,7 +282,7 @@ fn check_footprint(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster
         let friction = match touch.contact.law {
             Law::Frictionless => touch.skin.turn,
             Law::Coulomb(coefficient) => coefficient + touch.skin.turn,
-            // ties pull, and a bound that does not depend on the pressure is no cone
+            // ties pull, and a bound that does not depend on the pressure defines no cone
             _ => return,
         };
         for (x, normal) in touch.facing_points() {
@@ -295,7 +295,7 @@ fn check_footprint(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster
     let scale = 1.0 / found.magnitude;
     let target = flat(times(scale, found.force), times(scale, found.moment));
     let off = distance(&columns, target);
-    // between points on a curve pushes act from where no point was taken
+    // on a curve, pushes also act between the sampled points
     let limit = OUTSIDE + scale * 10.0 * found.slack + 0.05 * turn * turn + FORCE;
     judgement.compare("footprint", off, limit, || places(view, cluster));
 }

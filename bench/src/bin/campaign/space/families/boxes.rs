@@ -186,7 +186,7 @@ pub fn bridge(scene: &mut Scene) {
         }
     }
     for contact in &mut scene.problem.contacts {
-        // of ties, too, the clearance is meant
+        // the clearance of ties counts, too
         if contact.law == Law::Tied {
             contact.gap = Gap::Closed;
         }
@@ -263,7 +263,7 @@ pub fn history(scene: &mut Scene) {
 const SIDES: [[&str; 2]; 3] = [["left", "right"], ["front", "back"], ["bottom", "top"]];
 
 /// Boxes of random size between planes at random places, on a floor and within walls, each of its own material and weight,
-/// pressed from above: so many that they clamp each other in many ways.
+/// pressed from above: many boxes that clamp each other in many ways.
 pub fn crowd(scene: &mut Scene) {
     let rows = [
         [3, 3, 2],
@@ -331,7 +331,7 @@ pub fn crowd(scene: &mut Scene) {
     scene.holds("each column stands on the floor");
 }
 
-/// What moves an obstacle that presses from above.
+/// The drive of an obstacle that presses from above.
 pub fn pressed(scene: &mut Scene, depth: f64, count: usize) -> Drive {
     let [x, y] = scene.path(depth, [0.3, 4.0], count);
     let down = match scene.random.count(0, 2) {

@@ -1,4 +1,4 @@
-//! What friction just holds, or just does not; corners of walls; obstacles that move.
+//! Bodies near the limit of friction; corners of walls; moving obstacles.
 
 use super::boxes::{floor, pressed};
 use super::{Margin, Push, Scene, course, from_below};
@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 pub fn incline(scene: &mut Scene) {
     let [w, d] = [0, 1].map(|_| scene.random.between(0.8, 1.5));
     let mu = scene.random.between(0.05, 0.8);
-    // so low that it does not tip
+    // low enough not to tip
     let h = scene.random.between(0.15, 0.3) * w.min(d) / (0.5 + mu);
     let column = scene.random.chance(0.3);
     let (block, sole) = match column {

@@ -3,8 +3,8 @@
 //! A family builds its bodies in units in which they are about one long and the softest modulus is one; strains are about
 //! 1e-5 to 1e-3, so that displacements stay small beside cells. Afterwards most problems are turned in space, scaled to other
 //! units, their cells made skew; meshes are files then.
-//! Where statics tells whether the contacts can hold the load, the family says so: with forces in the cones of friction at
-//! points that face each other, a margin to either side.
+//! If statics decides whether the contacts can hold the load, the family records it: with forces in the cones of friction at
+//! points that face each other, and a margin on either side.
 
 mod boxes;
 mod friction;
@@ -62,14 +62,14 @@ struct Part {
     margin: Margin,
 }
 
-/// How much better than what falls is known to hold.
+/// The margin with which bodies are known to be held.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Margin {
-    /// A hair's breadth: there is one way to slide.
+    /// A very small margin: there is only one way to slide.
     Sharp,
     /// A quarter of lengths and coefficients: pushes of coarse meshes do not reach the ends of a side.
     Wide,
-    /// Nothing is known to hold: a wedge may use its friction up across the way that it slides.
+    /// Unknown: a wedge may use up its friction across the direction of sliding.
     Unknown,
 }
 
@@ -126,7 +126,7 @@ impl Scene {
         let softest = moduli.fold(f64::INFINITY, f64::min);
         let bodies = self.problem.bodies.iter_mut();
         bodies.for_each(|body| body.young /= softest);
-        // what the program cannot read it says again
+        // the problem is solved without a change, so that the program reports its own error
         let Ok(mut meshes) = meshes::<Solid, 3>(&self.problem.text()) else {
             return self.problem;
         };
@@ -169,7 +169,7 @@ impl Scene {
         self.problem.carried(&meshes, &carry)
     }
 
-    /// Takes what is known of the answer from the parts: each with the wrench of its loads at every time, and what may push.
+    /// Decides from the parts whether the contacts hold: each with the wrench of its loads at every time, and its possible pushes.
     fn judge(&mut self, meshes: &[Mesh]) {
         let mut known = Known::Holds;
         for part in &self.parts {
@@ -262,7 +262,7 @@ impl Scene {
         self.add(name, Shape::Cuboid { from, to, cells }, kind)
     }
 
-    /// Holds a side altogether, or moves it.
+    /// Holds all components of a side, or moves it.
     pub fn hold(&mut self, body: usize, side: &str, field: Field) {
         let supports = &mut self.problem.bodies[body].supports;
         supports.push((side.to_string(), Held::All(field)));
@@ -344,7 +344,8 @@ impl Scene {
         count
     }
 
-    /// A path in the plane, `size` times some part long: to and fro along a line, around an ellipse, or straight on.
+    /// A path in the plane, with a random length between the parts `part` of `size`: to and fro along a line, around an ellipse, or
+    /// straight on.
     pub fn path(&mut self, size: f64, part: [f64; 2], count: usize) -> [Number; 2] {
         let [x, y] = self.direction(size, part);
         let omega = self.random.between(0.6, 2.2);
@@ -356,14 +357,14 @@ impl Scene {
         [Number::timed(x, times[0]), Number::timed(y, times[1])]
     }
 
-    /// A random direction in the plane, `size` times some part long.
+    /// A random vector in the plane, with a length between the parts `part` of `size`.
     pub fn direction(&mut self, size: f64, part: [f64; 2]) -> [f64; 2] {
         let (s, c) = self.random.between(0.0, 6.3).sin_cos();
         let size = size * self.random.between(part[0], part[1]);
         [size * c, size * s]
     }
 
-    /// Just inside or just outside, or anywhere between.
+    /// A factor of the limit: just inside, just outside, or farther from it.
     pub fn margin(&mut self) -> f64 {
         match self.random.count(0, 5) {
             0 | 1 => 0.99,
@@ -383,7 +384,7 @@ pub fn course(random: &mut Random, steps: usize) -> Time {
     }
 }
 
-/// A point that may be pushed: where, by which unit direction (into the body), with which coefficient of friction.
+/// A possible push: its point, its unit direction (into the body), and its coefficient of friction.
 #[derive(Debug, Clone, Copy)]
 pub struct Push {
     pub at: Vector,
@@ -407,10 +408,10 @@ pub fn from_below(low: [f64; 2], high: [f64; 2], z: f64, friction: f64) -> Vec<P
     corners.map(push).to_vec()
 }
 
-/// How much the margin to what falls is: this part of lengths, and of coefficients of friction.
+/// Margin to bodies that fall: this part of lengths, and of coefficients of friction.
 const MARGIN: f64 = 0.009;
 
-/// Whether pushes can hold a load, a force and a moment about the origin; `inside` is the margin to what holds.
+/// Whether pushes can hold a load (a force and a moment about the origin); `inside` is the margin of held bodies.
 fn held((force, moment): (Vector, Vector), pushes: &[Push], inside: f64) -> Known {
     let places: Vec<Vector> = pushes.iter().map(|p| p.at).collect();
     let middle = mean(&places);

@@ -63,7 +63,7 @@ pub fn ball(scene: &mut Scene) {
         scene.touch(side("ball", "outer"), side("upper", "bottom"), laws[1]);
     }
     let body = &mut scene.problem.bodies[ball];
-    // tetrahedra have their middle beside that of the sphere: without friction their weight turns the ball as far as it will
+    // the centroid of the tetrahedra is not the centre of the sphere: without friction their weight turns the ball without limit
     let mut spun = false;
     if scene.random.chance(0.3) {
         body.weight = upwards(-0.01 * scene.strain);
@@ -78,7 +78,7 @@ pub fn ball(scene: &mut Scene) {
 /// A ball in a rigid bowl or groove under its weight, which may lean.
 pub fn bowl(scene: &mut Scene) {
     let count = scene.steps(&[1, 1, 3]);
-    // hexahedra have their middle where the ball has it: nothing turns them without friction
+    // the centroid of the hexahedra is the centre of the ball: no moment turns them without friction
     let ball = add_ball(scene, [0.0, 0.0, 1.0], &[Solid::Hex8, Solid::Hex20]);
     let radius = scene.random.magnitude(1.02, 3.0);
     let surface = match scene.random.chance(0.6) {
