@@ -32,7 +32,7 @@ pub fn put(text: &str) -> Result<(), Failure> {
 const COLOURS: [&str; 2] = ["\u{1b}[31m", "\u{1b}[0m"];
 
 /// Text whose control characters are escaped as in JSON, because titles and names of files are not trusted. Only the control
-/// sequences of [`COLOURS`] stay, if `coloured`.
+/// sequences of `COLOURS` stay, if `coloured`.
 pub fn shown(text: &str, coloured: bool) -> Cow<'_, str> {
     if !text.chars().any(commands) {
         return Cow::Borrowed(text);

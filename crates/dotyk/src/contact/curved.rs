@@ -46,8 +46,8 @@ pub(super) fn true_surface<'a, const D: usize>(
 /// * Straight facets of length L that turn by θ at their common node miss Lθ/8. In space a facet has the extent L across each of
 ///   its edges, and its errors in two directions add up: half of the sum over four edges, the sum over three.
 /// * Parabolas of length L and rise s, whose curvature κ = 8s/L² changes by Δκ at a common node: s³/L² is the error of a parabola
-/// through three points of a circle, Δκ L²/(72√3) that for a curve whose curvature changes; and a quarter of the error of
-/// straight facets, since parabolas on a circle turn, too.
+///   through three points of a circle, Δκ L²/(72√3) that for a curve whose curvature changes; and a quarter of the error of
+///   straight facets, since parabolas on a circle turn, too.
 /// * A corner is a sharp one, or a blunt one between two flat parts of the side, each of which goes on beyond its first facet: a
 ///   curve would turn again there. The bend of a step is taken as drawn.
 ///

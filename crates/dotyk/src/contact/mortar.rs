@@ -33,8 +33,8 @@
 //! a uniform pressure is exact, and on matching meshes of linear facets they give what pairing node by node gives. There are
 //! three exceptions.
 //! * A facet that faces the other side in part: biorthogonal functions of the whole facet would act as forces at nodes without
-//! an opposite side. There the ψ are biorthogonal to linear functions on the box around the covered part of each cell, and act
-//! at the corners of the box. As the cover grows to the whole of a straight facet, both become the same.
+//!   an opposite side. There the ψ are biorthogonal to linear functions on the box around the covered part of each cell, and act
+//!   at the corners of the box. As the cover grows to the whole of a straight facet, both become the same.
 //!   Where the cover has a hole, ψ are the hats of the cell.
 //! * A weight ∫N that is not positive (a quadratic facet that ends at the axis of revolution): ψ are linear between
 //!   neighbouring nodes, middle nodes included.

@@ -15,9 +15,9 @@
 //! * Of contacts, couples, supports of sides and beds that only press nodal forces are known. They count as the traction of shape
 //!   functions on these sides that has these nodal forces, else each cut beside a node would show half of the node's force. Each
 //!   acts only on its own side: at the corner of a held end and a bedded long side the reaction of the support belongs to the
-//! end, the force of the bed to the long side, and one traction over both would mix them.
+//!   end, the force of the bed to the long side, and one traction over both would mix them.
 //! * A force at a point of the cut belongs to the part behind; so do all forces on a face at which the body begins. Where the
-//! body ends at the cut, the cut is just before that face: forces there are ahead, except for point loads.
+//!   body ends at the cut, the cut is just before that face: forces there are ahead, except for point loads.
 //!
 //! Source: the virtual work of a cut as in `docs/theory/sections.md`; forces for the thickness or the full 2π.
 

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! * M, quadrilaterals and hexahedra: the energy that incompatible modes would release at the same u ([`crate::fem::enhanced`]).
-//! Zero under constant stress; close to E where a thin body bends with one cell through its thickness.
+//!   Zero under constant stress; close to E where a thin body bends with one cell through its thickness.
 //! * J, simplices and prisms: the energy of the difference between the strain of the cells and
 //!   the continuous one recovered at the nodes of the same material, the error estimate of Zienkiewicz and Zhu (Int. J.
 //!   Numer. Methods Eng. 24 (1987) 337–357). Where that and the energy of the recovered strain are more than the energy of
@@ -16,7 +16,7 @@
 //! * G, the same cells, nearly incompressible: they resist by pressures that jump from cell to cell, whose energy is small
 //!   because the bulk modulus K is large, and that u hardly shows. The difference δp = K (tr ε − tr ε*) from the recovered one
 //!   loads the inner nodes by f = ∫ δp ∇N. If it were released, they would move by v = −f / k, k the stiffness of each against
-//! distortion, and one step of steepest descent releases G = (f·v)² / 4 W(v), W the energy of distortion. Pressures that
+//!   distortion, and one step of steepest descent releases G = (f·v)² / 4 W(v), W the energy of distortion. Pressures that
 //!   alternate without forces, as they do in pairs of triangles, add nothing.
 
 use crate::fem::block::{Cells, Deformation};

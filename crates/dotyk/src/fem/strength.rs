@@ -5,9 +5,9 @@
 //!
 //! ```text
 //!   von Mises         σᵥ to the yield stress
-//! principal         σ₁ to the compressive strength,        −σ₃ to the tensile strength
-//! Mohr–Coulomb      σ₁ − σ₃ to (σ₃ + c cot φ) 2 sin φ/(1 − sin φ),   −σ₃ to the tensile strength, at most c cot φ
-//! Hoek–Brown        σ₁ − σ₃ to σ_ci (m_b σ₃/σ_ci + s)^a,   −σ₃ to s σ_ci/m_b
+//!   principal         σ₁ to the compressive strength,        −σ₃ to the tensile strength
+//!   Mohr–Coulomb      σ₁ − σ₃ to (σ₃ + c cot φ) 2 sin φ/(1 − sin φ),   −σ₃ to the tensile strength, at most c cot φ
+//!   Hoek–Brown        σ₁ − σ₃ to σ_ci (m_b σ₃/σ_ci + s)^a,   −σ₃ to s σ_ci/m_b
 //! ```
 //!
 //! The capacity of σ₁ − σ₃ is σ₁f(σ₃) − σ₃, the diameter of the circle of Mohr that fails with the same σ₃. It is negative beyond

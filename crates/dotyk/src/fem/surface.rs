@@ -7,10 +7,10 @@
 //!
 //! * of the true surface where it is known;
 //! * else interpolated between nodes, and at nodes the sum of the normals n of the facets that meet there, weighted by 1/L with the
-//! lengths L of edges in the plane, by sin α/(L₁L₂) with the edges of corners in space. On circles, on spheres, and on cylinders
-//! with edges along the axis, that is the radius however different the facets are: for chords of the angles 2a and 2b, of
-//! lengths 2R sin a and 2R sin b, the normals' parts along the tangent are −sin a/(2R sin a) + sin b/(2R sin b) = 0. Normals
-//! along the radius x/R at nodes are so between them. At the end of a line its last edge bends as at its other end.
+//!   lengths L of edges in the plane, by sin α/(L₁L₂) with the edges of corners in space. On circles, on spheres, and on cylinders
+//!   with edges along the axis, that is the radius however different the facets are: for chords of the angles 2a and 2b, of
+//!   lengths 2R sin a and 2R sin b, the normals' parts along the tangent are −sin a/(2R sin a) + sin b/(2R sin b) = 0. Normals
+//!   along the radius x/R at nodes are so between them. At the end of a line its last edge bends as at its other end.
 //!
 //! A motion along such a surface is then not resisted, to rounding, and one across it by the whole spring, however weak.
 //! Facets that meet at a sharp corner keep their own normals.

@@ -8,9 +8,9 @@
 //!   Where there are many contacts, a problem with fewer of them is solved first, in which neighbours act as one
 //!   (`levels.rs`). Its answer is right to a node.
 //! * The states run in a circle. *Interior points* (`interior.rs`) guess no states; near the answer, and where F is not assembled,
-//! *proximal steps* (`proximal.rs`) come first: with given bounds of friction the solution is the minimum of a convex energy,
-//! which they lower each time, so that no state can come back. Where bounds follow from normal forces, as with Coulomb's law,
-//! there is no such energy: `slip.rs` treats those.
+//!   *proximal steps* (`proximal.rs`) come first: with given bounds of friction the solution is the minimum of a convex energy,
+//!   which they lower each time, so that no state can come back. Where bounds follow from normal forces, as with Coulomb's law,
+//!   there is no such energy: `slip.rs` treats those.
 //!
 //! Steps that led nowhere are taken back: a bad guess is worse than no guess.
 //!

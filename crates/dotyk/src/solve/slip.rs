@@ -15,7 +15,7 @@
 //! 6. [`stiffen`]: springs that bear shears within their bounds, softer than the contacts at first: bodies go where normal
 //!    forces hold them before anything sticks.
 //! 7. [`iterate_bounds`]: the convex problem with given bounds, repeated with the bounds that follow from the forces of the
-//! one before. A contraction for small coefficients.
+//!    one before. A contraction for small coefficients.
 //!
 //! An answer that does not come from exact steps is sharpened by exact steps ([`sharpen`]).
 //!

@@ -370,7 +370,7 @@ impl Scene {
         self.judge_within(parts, why, 0.25);
     }
 
-    /// The same with the small margin [`MARGIN`].
+    /// The same with the small margin `MARGIN`.
     pub fn judge_sharply(&mut self, parts: &[(Vec<Wrench>, Vec<Push>)], why: &str) {
         self.judge_within(parts, why, MARGIN);
     }

@@ -1,7 +1,7 @@
 //! Open bodies that are moved far compared with their cells, past and into bodies without a contact.
 //!
 //! The moved body has no load, or a small pressure onto its floor: it keeps its shape, and polygons decide which body it runs
-//! into. A penetration deeper than [`DEEP`] must be refused; a body that stays apart, or slides along its contact, must be answered.
+//! into. A penetration deeper than `DEEP` must be refused; a body that stays apart, or slides along its contact, must be answered.
 
 use super::Scene;
 use crate::amount::{Amount, Time};

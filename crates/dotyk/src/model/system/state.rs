@@ -3,15 +3,15 @@
 //! Where bodies, supports and contacts come and go:
 //!
 //! * a body that appears is free of stress and fits its neighbours: the gaps of its contacts count from the displacements
-//! u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
+//!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
 //! * a support that appears holds the nodes of its body where they are;
 //! * a spring or a bar that appears bears no force at the displacements of that moment; a prestressed bar pulls in its first step
-//! with its prestress, whatever the displacements;
+//!   with its prestress, whatever the displacements;
 //! * friction counts from the positions of the sides of a contact when its stage began, B u of the last step in the present
-//! directions of the tangents: slips stay when a support of a side goes, and a contact or an obstacle that comes has no slip;
+//!   directions of the tangents: slips stay when a support of a side goes, and a contact or an obstacle that comes has no slip;
 //! * a joint that comes is whole where its sides are not apart then, g₀ + B (u_a − u), whether or not one of its bodies comes, too;
 //! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times the remaining part
-//! of them at a time.
+//!   of them at a time.
 //!
 //! All of these u_a are the displacements of the bodies when a part came.
 
