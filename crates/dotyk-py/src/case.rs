@@ -275,7 +275,7 @@ pub fn method_of(py: Python<'_>, name: &str) -> PyResult<Method> {
 /// Name, nodes and cells, resultant of the loads, held dofs, and the rigid motions left with the contacts that hold them.
 type Found = (String, [usize; 2], Vec<f64>, usize, Vec<String>);
 
-/// What a check found.
+/// The results of a check.
 struct Checked {
     errors: Vec<String>,
     warnings: Vec<String>,
@@ -284,7 +284,7 @@ struct Checked {
     text: String,
 }
 
-/// What a check found of a case.
+/// The results of a check of a case.
 fn checked<const D: usize>(case: &dotyk::case::Case<D>, mut check: Check<D>) -> Checked {
     case.warn_first(&mut check.warnings);
     let bodies = check.bodies.iter();

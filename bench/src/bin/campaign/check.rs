@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | support | u as prescribed | 1e-6 of the largest displacement |
 //! | equilibrium | internal − external force = 0 off contacts, in free directions | 1e-7 of the force scale, and 32 roundings of \|K\|\|u\| |
-//! | row force | where conditions hold node by node: that force = what the rows say | ten times the last |
+//! | row force | where conditions hold node by node: that force = the force of the rows | ten times the last |
 //! | row sum | else: resultant of the rows = resultant of the forces on either side | the same; on curved sides the angle between facets, over which a row's normal varies |
 //! | act and react | forces of both sides sum to zero, moments too | the same, no allowance for curves |
 //! | outside | no contact force at a node none of whose facets faces the other side | ten times the limit of equilibrium |

@@ -220,7 +220,7 @@ fn answer(problem: &Problem, name: &str) -> Answer {
     }
 }
 
-/// The names of what is found.
+/// The names of the findings.
 fn found(problem: &Problem, answer: &Answer) -> Vec<&'static str> {
     check(problem, answer)
         .findings

@@ -9,7 +9,7 @@
 //!
 //! ```text
 //!   tiny + 2 s (‖∇u₁‖ + ‖∇u₂‖)       rotations by angles instead of their sines, over a motion s; ‖∇u‖ along the outlines
-//!        + 10 × what the mesh resolves + s²/R + a clearance that the meshes lack      at sides of contacts between the two,
+//!        + 10 × resolution of the mesh + s²/R + a clearance that the meshes lack      at sides of contacts between the two,
 //!                                                                                     and no farther from them than that
 //! ```
 //!

@@ -6,7 +6,7 @@
 //! | turned | all of it rotated; meshes from files with rotated nodes | everything, 1e-6 |
 //! | order | bodies and contacts in another order | everything, 1e-6 |
 //! | split | a rectangle cut in two that are glued node by node | everything, 1e-6 |
-//! | sides | nonmortar and mortar swapped | everything where nodes coincide, 1e-6; else what the mesh resolves |
+//! | sides | nonmortar and mortar swapped | everything where nodes coincide, 1e-6; else the resolution of the mesh |
 //!
 //! "Everything" is the unique part: displacements without the rigid motion of each body that supports leave free, relative to
 //! the largest of them. With Coulomb friction answers need not be unique; a difference is reported, but is not a finding.

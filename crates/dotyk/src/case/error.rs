@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// An error in a file: message, place and advice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CaseError {
-    /// What is wrong.
+    /// The fault, in words.
     pub message: String,
     /// A word or two for the place itself; may be empty.
     pub label: Box<str>,

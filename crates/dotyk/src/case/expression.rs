@@ -34,7 +34,7 @@ pub(crate) const OF_NUMBERS: &str =
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct ExpressionError {
-    /// What is wrong.
+    /// The fault, in words.
     pub message: String,
     /// Byte offset in the text.
     pub offset: usize,

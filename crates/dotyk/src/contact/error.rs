@@ -10,7 +10,7 @@ pub enum ContactError {
     Side {
         /// Name of the body.
         body: String,
-        /// What is wrong.
+        /// The fault.
         source: FemError,
     },
     /// A gap is not finite.

@@ -8,7 +8,7 @@ use crate::dual::law::NONE;
 use crate::dual::{Block, Friction};
 use crate::linalg::dense::{dot, norm};
 
-/// What a single component of λ is.
+/// The kind of a single component of λ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
     /// Any force.
@@ -126,7 +126,7 @@ impl AdmissibleSet {
         Self::new(self.blocks.iter().zip(bounds).map(given).collect())
     }
 
-    /// What each component of λ is, (m,).
+    /// The kind of each component of λ, (m,).
     pub fn components(&self) -> Vec<Component> {
         let of_block = |block: &Block| {
             let (first, others) = match block {

@@ -14,7 +14,7 @@
 //! | slip violation | largest distance of λₜ from what friction makes of the bound and the slip | force | tolerance |
 //! | force error | largest change of a force that its gap asks for | force | 10 tolerances |
 //! | rounding | largest change of a force that rounding of the gaps leaves open | force | 0.01 |
-//! | between nodes | deepest penetration between the nodes of the sides | what the meshes resolve | 10 |
+//! | between nodes | deepest penetration between the nodes of the sides | resolution of the meshes | 10 |
 //! | overlap | deepest overlap of two bodies beyond that at first, whoever named a contact | what small displacements and the meshes explain | 1 |
 //!
 //! Scales: length is max‖d‖; force is the larger of max‖λ‖ and the largest resultant load, where the force on a support that
@@ -122,7 +122,7 @@ pub struct Certificate {
     /// Uncertainty of forces: their largest change when gaps change by their rounding. Computed where multipliers are finer than the
     /// softer side and F is assembled; zero elsewhere.
     pub rounding: Figure,
-    /// Deepest penetration between the nodes, a length; relative to what the meshes can resolve.
+    /// Deepest penetration between the nodes, a length; relative to the resolution of the meshes.
     pub between_nodes: Figure,
     /// Deepest overlap of the deformed bodies beyond the initial one, a length; relative to the explained one. Zero where not computed.
     pub overlap: Figure,
@@ -235,7 +235,7 @@ impl fmt::Display for Certificate {
     }
 }
 
-/// What a caller has computed from the displacements, independently of F.
+/// Quantities that a caller has computed from the displacements, independently of F.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recomputed<'a> {
     /// Gap at the contact unknowns (m,).
@@ -246,13 +246,13 @@ pub struct Recomputed<'a> {
     pub exact: Vec<f64>,
     /// Uncertainty of each force by rounding of the gaps (m,), infinite where they do not determine it; empty where not computed.
     pub open: Vec<f64>,
-    /// Deepest penetration between the nodes, and what the meshes can resolve there: lengths.
+    /// Deepest penetration between the nodes, and the resolution of the meshes there: lengths.
     pub between: [f64; 2],
     /// The rest, by domain of [`DualProblem::coupled`].
     pub domains: Vec<OfDomain>,
 }
 
-/// What a caller has computed for one domain of coupled bodies.
+/// Quantities that a caller has computed for one domain of coupled bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OfDomain {
     /// Largest violation of a condition without a multiplier, a length.
@@ -624,7 +624,7 @@ impl DualProblem {
     }
 }
 
-/// What is left of a number beyond an uncertainty.
+/// The part of a number beyond an uncertainty.
 fn beyond(value: f64, uncertainty: f64) -> f64 {
     // in this order a NaN stays NaN
     if value.abs() <= uncertainty {

@@ -1,4 +1,4 @@
-//! What one contact node can bear: its block of Λ, and the laws of friction.
+//! Admissible forces of one contact node: its block of Λ, and the laws of friction.
 //!
 //! ```text
 //!   λₙ ≥ 0,   ‖λₜ‖ ≤ bound(λₙ) = given + growth · λₙ
@@ -31,7 +31,7 @@ use std::ops::Range;
 use crate::linalg::SparseVector;
 use crate::linalg::dense::{dot, norm};
 
-/// What one contact node can bear; its block of λ is (normal, tangential..).
+/// Admissible forces of one contact node; its block of λ is (normal, tangential..).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Block {
     /// Any force of that many components (tied).
@@ -270,7 +270,7 @@ impl Block {
         }
     }
 
-    /// What a block can bear, in words; `coulomb` may have cohesion.
+    /// Laws of a block, in words; `coulomb` may have cohesion.
     pub const LAWS: [&'static str; 5] = ["unilateral", "free", "tresca", "coulomb", "interval"];
 
     /// Its place in [`Self::LAWS`].

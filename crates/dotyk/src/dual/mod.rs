@@ -500,7 +500,7 @@ fn columns(matrix: &Mat<f64>) -> impl Iterator<Item = &f64> {
     (0..matrix.ncols()).flat_map(|j| matrix.col_as_slice(j))
 }
 
-/// What was found is as long as expected.
+/// Every length is the expected one.
 fn agree(lengths: impl IntoIterator<Item = (&'static str, usize, usize)>) -> Result<(), DualError> {
     match lengths
         .into_iter()

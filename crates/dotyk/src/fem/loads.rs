@@ -77,7 +77,7 @@ impl<const D: usize> Load<D> {
         }
     }
 
-    /// What [`Self::at`] answers.
+    /// The kind of the values of [`Self::at`].
     pub fn amount(&self) -> Amount {
         match self {
             Self::Traction { .. } | Self::Pressure { .. } | Self::InSitu { .. } => Amount::PerArea,

@@ -180,7 +180,7 @@ pub enum MeshError {
     Outline {
         /// Where.
         place: OutlinePlace,
-        /// What is wrong, and what to do.
+        /// The fault and its remedy.
         problem: String,
     },
     /// A drawing that cannot be meshed.
@@ -188,7 +188,7 @@ pub enum MeshError {
     Drawing {
         /// Where.
         place: OutlinePlace,
-        /// What is wrong, and what to do.
+        /// The fault and its remedy.
         problem: String,
     },
 }

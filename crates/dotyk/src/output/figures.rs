@@ -17,7 +17,7 @@ use crate::output::utilisation::utilisation_picture;
 use crate::output::yielding::yielding_picture;
 use std::any::Any;
 
-/// What draws a model.
+/// The drawings of a model, in the plane or in space.
 pub struct Figures<'a> {
     /// Of the plane.
     plane: Option<Scene<'a>>,
@@ -31,7 +31,7 @@ fn known<T: Any, P: Any>(thing: &T) -> Option<&P> {
 }
 
 impl<'a> Figures<'a> {
-    /// What draws a model.
+    /// The drawings of a model.
     pub fn of<const D: usize>(model: &'a Model<D>) -> Self {
         Self {
             plane: known(model).map(Scene::new),

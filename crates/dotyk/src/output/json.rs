@@ -521,7 +521,7 @@ struct BodyEntry<'a> {
     max_displacement: f64,
     max_von_mises: f64,
     max_von_mises_at: Option<&'a [f64]>,
-    /// What is singular there; null where nothing is.
+    /// The singularity there; null if there is none.
     max_von_mises_place: Option<String>,
     /// The largest one away from such places, and its point; null without such a place, or without nodes away from it.
     max_von_mises_away: Option<f64>,
@@ -544,7 +544,7 @@ struct StrengthEntry<'a> {
     overstressed_area: Option<f64>,
     max_utilisation: Option<f64>,
     max_utilisation_at: Option<&'a [f64]>,
-    /// What is singular there; null where nothing is.
+    /// The singularity there; null if there is none.
     max_utilisation_place: Option<String>,
 }
 

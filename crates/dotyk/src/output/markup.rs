@@ -19,7 +19,7 @@ pub struct Markup {
 /// Markup from a template: a literal with `{}` for each part, which is escaped if it is not markup.
 macro_rules! markup {
     ($template:literal $(, $part:expr)* $(,)?) => {
-        // What `concat!` returns captures no variables: parts stand behind the template, where they are escaped.
+        // The result of `concat!` captures no variables: parts stand behind the template, where they are escaped.
         $crate::output::markup::Markup::filled(format_args!(
             concat!($template, "") $(, $crate::output::markup::Escaped(&$part))*
         ))

@@ -150,7 +150,7 @@ impl<'a, const D: usize> Record<'a, D> {
         }
     }
 
-    /// What was there in each step.
+    /// The stage of each step.
     fn stages(&self) -> Vec<Cow<'a, Model<D>>> {
         let steps = self.steps.iter();
         steps.map(|step| self.model.stage(step.time)).collect()
@@ -211,7 +211,7 @@ pub struct FailedStep {
 pub(crate) struct Overview<'a, const D: usize> {
     /// All of the model.
     pub model: &'a Model<D>,
-    /// What was there in each step.
+    /// The stage of each step.
     pub stages: Vec<Cow<'a, Model<D>>>,
     /// Steps before the last.
     pub earlier: &'a [Solution<D>],
@@ -365,7 +365,7 @@ macro_rules! doors {
         impl Model<$D> {
             /// The steps of an earlier run of this model that have an answer, at least one, from the folder of its results.
             ///
-            /// Errors: files that are missing or are not what a run writes; a run without an answer.
+            /// Errors: files that are missing or not from a run; a run without an answer.
             pub fn past(&self, dir: &Path) -> Result<Vec<Past<$D>>, PastError> {
                 past::past(dir)
             }

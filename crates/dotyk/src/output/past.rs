@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct PastError {
     /// The file or folder.
     pub file: PathBuf,
-    /// What is wrong, and what to do.
+    /// The fault and its remedy.
     pub why: String,
 }
 
@@ -43,7 +43,7 @@ struct Body {
 
 /// The steps that have an answer in the results of an earlier run, at least one.
 ///
-/// Errors: files that are missing or are not what a run writes; a run without an answer, or one whose files are not all in place.
+/// Errors: files that are missing or not from a run; a run without an answer, or one whose files are not all in place.
 pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError> {
     let fail = |file: &Path, why: String| PastError {
         file: file.to_path_buf(),

@@ -6,7 +6,7 @@ use crate::output::text::{superscript, with_unit};
 /// One axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it shows, with its unit.
+    /// The quantity, with its unit.
     pub label: String,
     /// First and last value.
     pub range: [f64; 2],

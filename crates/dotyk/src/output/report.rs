@@ -477,7 +477,7 @@ mod tests {
         assert!(
             page.contains("✓ Certified") && page.contains("Lined tunnel under uneven pressure")
         );
-        // What comes from the user is escaped.
+        // Text of the user is escaped.
         assert!(page.contains("&quot;outer&quot; face nothing &amp; stay open"));
     }
 

@@ -197,7 +197,7 @@ pub fn strands(mesh: &Mesh<2>, facets: &[Facet]) -> Vec<Strand> {
     out
 }
 
-/// What all figures of a model share.
+/// The common data of all figures of a model.
 pub struct Scene<'a> {
     /// The model.
     pub model: &'a Model<2>,

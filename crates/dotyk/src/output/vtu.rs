@@ -325,7 +325,7 @@ fn state_number(status: Status) -> i32 {
     }
 }
 
-/// What the contacts do at the nodes of a body; a node of several contacts keeps the first that defines a number.
+/// Fields of the contacts at the nodes of a body; a node of several contacts keeps the first that defines a number.
 fn contact_fields<const D: usize>(
     solution: &Solution<D>,
     body: usize,

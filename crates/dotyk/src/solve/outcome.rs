@@ -42,7 +42,7 @@ pub struct Outcome {
     pub stopped_by_observer: bool,
     /// The fixed point of problems with given bounds, where bounds that follow from normal forces were reached by one.
     pub fixed_point: Option<FixedPoint>,
-    /// What the user should know, in words.
+    /// Remarks to the user, in words.
     pub remarks: Vec<String>,
     /// Stages of Newton's method in the order in which they were entered; the last one answered.
     pub tried: Vec<&'static str>,

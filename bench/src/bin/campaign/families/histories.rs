@@ -107,7 +107,7 @@ pub fn ground(scene: &mut Scene) {
     let weight = scene.strain * scene.random.between(0.2, 2.0);
     let over = scene.strain * scene.random.pick(&[0.0, 0.5]);
     let k0 = scene.random.between(0.2, 0.9);
-    // what is above y presses: −(over + weight (high − y))
+    // weight of the ground above y: −(over + weight (high − y))
     let vertical = Amount::new(-over - weight * high, [0.0, weight], Time::Always);
     let plane_stress = scene.problem.analysis == crate::problem::Analysis::PlaneStress;
     let thick = scene.problem.bodies[0].thickness;

@@ -8,7 +8,7 @@
 //! | motion | no body moves farther than the largest is long: strains are 1e-3 at most | none for a polyhedron that spins until its next node is closed, whose normal may be very near to the radius |
 //! | equilibrium | internal − external force = 0 off contacts, in free directions | 1e-7 of the force scale, and 32 roundings of \|K\|\|u\| |
 //! | outside | no contact force at a node none of whose facets faces the other side | ten times that |
-//! | row force | where conditions hold node by node: that force = what the rows say | the same |
+//! | row force | where conditions hold node by node: that force = the force of the rows | the same |
 //! | row sum | else: resultant of the rows = resultant of the forces on either side | the same; on curved sides the angle between facets, over which a row's normal varies |
 //! | act and react | forces of both sides sum to zero, moments too | the same, no allowance for curves |
 //! | resultant | the reported resultant and moment are those of the forces on the nonmortar side | the same |

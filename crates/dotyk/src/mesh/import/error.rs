@@ -189,7 +189,7 @@ pub enum ImportError {
         file: String,
         /// Number in the file of the element that the error is about.
         element: Option<u64>,
-        /// What is wrong.
+        /// The fault.
         error: MeshError,
     },
 }

@@ -168,7 +168,7 @@ impl<'b> Document<'b> {
                 Event::Start(start) | Event::Empty(start) => {
                     let tag = Tag::new(&start, at).map_err(|e| broken_tag(file, at, &e))?;
                     if tag.name == "AppendedData" {
-                        // What follows may be any bytes.
+                        // The following bytes are arbitrary.
                         document.append(&tag, &bytes[end..])?;
                         return Ok(document);
                     }

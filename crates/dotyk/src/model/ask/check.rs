@@ -61,7 +61,7 @@ pub struct Check<const D: usize> {
     pub errors: Vec<String>,
     /// Subject of the first error.
     pub subject: Option<Subject>,
-    /// What the user should know.
+    /// Warnings to the user.
     pub warnings: Vec<String>,
 }
 

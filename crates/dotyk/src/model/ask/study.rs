@@ -27,7 +27,7 @@ pub struct Varied {
 pub struct Column {
     /// Name of the probe.
     pub name: String,
-    /// What it is measured in.
+    /// Its dimension.
     pub dimension: Dimension,
 }
 
@@ -53,9 +53,9 @@ pub struct Study {
     pub title: String,
     /// Its units.
     pub units: Units,
-    /// What was varied.
+    /// The varied parameters.
     pub varied: Vec<Varied>,
-    /// What was read.
+    /// The probes.
     pub probes: Vec<Column>,
     /// All combinations; the first parameter changes slowest.
     pub members: Vec<Member>,

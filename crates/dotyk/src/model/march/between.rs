@@ -1,7 +1,7 @@
 //! Penetration between the nodes: the deformed sides as they are, independent of rows, weights and multipliers.
 //!
 //! ```text
-//!   gap(x) = g₀(x) + n·(u_m(y) − u_s(x)) ≥ −(what the meshes can resolve at x)
+//!   gap(x) = g₀(x) + n·(u_m(y) − u_s(x)) ≥ −(resolution of the meshes at x)
 //! ```
 //!
 //! Contact conditions hold at nodes or in the mean of functions ψ. Between them the sides may overlap by what the meshes
@@ -28,7 +28,7 @@ pub(crate) struct Overlap<const D: usize> {
     pub point: Point<D>,
     /// Penetration, a length > 0.
     pub depth: f64,
-    /// What the meshes can resolve there, a length > 0.
+    /// The resolution of the meshes there, a length > 0.
     pub resolved: f64,
 }
 

@@ -48,7 +48,7 @@ const DEEP: f64 = 1e-2;
 /// Displacements under some contact forces, and their judgement.
 pub(crate) struct Judged<const D: usize> {
     pub displaced: Displaced<D>,
-    /// What was checked.
+    /// The checked figures.
     pub certificate: Certificate,
     /// The deepest overlap of two sides between their nodes.
     pub overlap: Option<Overlap<D>>,

@@ -88,7 +88,7 @@ pub enum BarError {
         what: &'static str,
         /// The number.
         value: f64,
-        /// What it must be.
+        /// The allowed range.
         range: &'static str,
     },
     /// A point that lies in no body of its own.

@@ -50,7 +50,7 @@ pub enum Error<const D: usize> {
     Past {
         /// From 1.
         step: usize,
-        /// What differs.
+        /// The difference.
         what: String,
     },
     /// All load steps were solved before.
@@ -61,7 +61,7 @@ pub enum Error<const D: usize> {
         "two parts of the model are named \"{name}\": bodies, contacts, sections, bars and coupled points need names of their own; rename the {kind}"
     )]
     SameName {
-        /// What the second one is: "body", "contact", "section", "bar" or "coupled point".
+        /// The kind of the second one: "body", "contact", "section", "bar" or "coupled point".
         kind: &'static str,
         /// The name.
         name: String,
@@ -71,7 +71,7 @@ pub enum Error<const D: usize> {
     FileName {
         /// Its name.
         body: String,
-        /// What is wrong with it.
+        /// The fault of the name.
         source: NameError,
     },
     /// A body cannot be assembled or factored.
@@ -79,7 +79,7 @@ pub enum Error<const D: usize> {
     Body {
         /// Its name.
         body: String,
-        /// What is wrong.
+        /// The fault.
         source: FemError,
     },
     /// The factors need more memory than there is.
@@ -114,7 +114,7 @@ pub enum Error<const D: usize> {
     Contact {
         /// Its name.
         contact: String,
-        /// What is wrong.
+        /// The fault.
         source: ContactError,
     },
     /// A condition of a contact is not finite.
@@ -191,7 +191,7 @@ pub enum Error<const D: usize> {
     Probe {
         /// Its name.
         probe: String,
-        /// What is wrong.
+        /// The fault.
         source: ProbeError<D>,
     },
     /// A spring or bar has a stiffness out of range.
@@ -215,7 +215,7 @@ pub enum Error<const D: usize> {
     Section {
         /// Its name.
         section: String,
-        /// What is wrong.
+        /// The fault.
         source: SectionError,
     },
     /// A bolt is named where no contact is.
@@ -252,7 +252,7 @@ pub enum Error<const D: usize> {
         step: usize,
         /// Its time.
         time: f64,
-        /// What is wrong there.
+        /// The fault in that step.
         source: Box<Error<D>>,
         /// The load steps before it, which have converged.
         earlier: Vec<Solution<D>>,
@@ -270,7 +270,7 @@ pub enum Error<const D: usize> {
 }
 
 impl<const D: usize> Error<D> {
-    /// What is wrong with a body.
+    /// The error of a fault of a body.
     pub(crate) fn in_body(body: &Body<D>, source: FemError) -> Self {
         let body = body.name.clone();
         Self::Body { body, source }
@@ -289,7 +289,7 @@ impl<const D: usize> Error<D> {
         }
     }
 
-    /// What the error is about, where it is one part of the model.
+    /// The part of the model with the error, if it is one part.
     pub fn subject(&self) -> Option<Subject> {
         match self {
             Self::Body { body, .. }
@@ -438,7 +438,7 @@ pub enum Objection<const D: usize> {
     },
     /// The certificate does not hold.
     Violated {
-        /// What was checked.
+        /// The checked figures.
         certificate: Box<Certificate>,
         /// The contact, in words, whose forces are too uncertain by rounding.
         open: Option<String>,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// What an observer of `Model::solve_steps_with` is told.
+/// An event, as passed to an observer of `Model::solve_steps_with`.
 #[derive(Debug, Clone)]
 pub enum Event {
     /// A load step begins; its stages and iterations follow.

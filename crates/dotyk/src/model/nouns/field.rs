@@ -56,7 +56,7 @@ pub struct BodyField {
     pub name: &'static str,
     /// Its components.
     pub shape: Shape,
-    /// What it is.
+    /// The dimension of its values.
     pub dimension: Dimension,
     /// What has a value.
     pub on: On,

@@ -1,4 +1,4 @@
-//! What the user writes: bodies, supports, loads, contacts, solver options, probes.
+//! The input of the user: bodies, supports, loads, contacts, solver options, probes.
 
 use crate::model::nouns::ids::{BodyId, SideRef};
 use std::convert::Infallible;
@@ -35,7 +35,7 @@ pub struct Obstacle<const D: usize> {
     pub motion: Motion<D>,
 }
 
-/// What moves a rigid obstacle.
+/// The drive of a rigid obstacle.
 #[derive(Debug, Clone)]
 pub enum Motion<const D: usize> {
     /// A prescribed displacement.
@@ -61,7 +61,7 @@ pub enum Pair<const D: usize> {
     Obstacle {
         /// Carries the multipliers.
         nonmortar: SideRef,
-        /// What it touches.
+        /// The obstacle that it touches.
         obstacle: Obstacle<D>,
     },
 }
@@ -251,7 +251,7 @@ pub struct Contact<const D: usize> {
     pub pairing: Option<Pairing>,
     /// `None`: closed where node-to-node, else geometric.
     pub gap: Option<Gap>,
-    /// What the interface can bear.
+    /// The law of the interface.
     pub law: Law,
     /// Points and sides of the nonmortar body whose nodes are excluded: open, whatever is opposite.
     pub exclude: Vec<Place<D>>,
@@ -376,7 +376,7 @@ impl<const D: usize> Default for SolverOptions<D> {
 pub struct Probe<const D: usize> {
     /// Unique name.
     pub name: String,
-    /// What is read.
+    /// The quantity read.
     pub quantity: Quantity,
     /// Where, or how its values become one number.
     pub reading: Reading<D>,
@@ -436,7 +436,7 @@ impl<const D: usize> Probe<D> {
         model.bodies.get(body)?.couples.get(place)
     }
 
-    /// What its value is measured in.
+    /// The dimension of its value.
     pub fn dimension(&self) -> Dimension {
         match (self.reading, self.quantity.dimension()) {
             (Reading::Integral, Dimension::Stress)
@@ -492,7 +492,7 @@ pub struct Model<const D: usize> {
     pub sections: Vec<Section<D>>,
     /// How to solve.
     pub solver: SolverOptions<D>,
-    /// What to read off.
+    /// The probes to read.
     pub probes: Vec<Probe<D>>,
     /// Times of the load steps, strictly increasing: loads, prescribed displacements, gaps and the motion of obstacles
     /// are taken at these times.

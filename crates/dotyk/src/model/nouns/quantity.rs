@@ -190,7 +190,7 @@ const WORKS: [(&str, Since); 2] = [
 /// Why a text is not a quantity: which of its words is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct QuantityError {
-    /// What is wrong with the word.
+    /// The mistake in the word.
     pub mistake: Mistake,
     /// The word.
     pub word: String,
@@ -200,7 +200,7 @@ pub struct QuantityError {
     pub known: Vec<String>,
 }
 
-/// What is wrong with a word of a quantity.
+/// A mistake in a word of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mistake {
     /// It should be one of these.

@@ -164,7 +164,7 @@ impl SectionQuantity {
         }
     }
 
-    /// What it is measured in.
+    /// Its dimension.
     pub fn dimension(self) -> Dimension {
         match self {
             Self::Normal | Self::Shear => Dimension::ForcePerLength,

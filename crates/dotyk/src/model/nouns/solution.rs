@@ -428,9 +428,9 @@ pub struct SolverReport<const D: usize> {
 pub struct ProbeValue {
     /// Name of the probe.
     pub name: String,
-    /// What was read.
+    /// The quantity read.
     pub quantity: String,
-    /// What it is measured in.
+    /// Its dimension.
     pub dimension: Dimension,
     /// The number; NaN of a line.
     pub value: f64,
@@ -474,7 +474,7 @@ pub struct Solution<const D: usize> {
     pub converged: bool,
     /// How it was solved.
     pub solver: SolverReport<D>,
-    /// What the user should know.
+    /// Warnings to the user.
     pub warnings: Vec<String>,
     /// Values of the model's probes.
     pub probes: Vec<ProbeValue>,

@@ -95,7 +95,7 @@ fn all_within<const D: usize>(
     (largest <= bound && largest > CLOSED * bound).then_some(largest)
 }
 
-/// What moves an obstacle.
+/// The drive of an obstacle.
 fn driven<const D: usize>(obstacle: &Obstacle<D>) -> Driven {
     let still = |field: &Field| field.as_constant() == Some(0.0);
     match &obstacle.motion {

@@ -33,7 +33,7 @@ pub(crate) struct Floating {
     all: Vec<SparseVector>,
     /// Gλ = e in the controlled combinations.
     pub balance: Balance,
-    /// What the user should know.
+    /// Warnings to the user.
     pub warnings: Vec<String>,
 }
 
