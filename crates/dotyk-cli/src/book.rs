@@ -382,18 +382,21 @@ fn references(judged: &[Judged<'_>]) -> String {
 
 /// The certificate of each case: the largest figures over its load steps beside their limits.
 fn certificates(found: &Found<'_>) -> String {
-    let names: Vec<String> = Certificate::default()
-        .figures()
-        .iter()
-        .map(|(name, _)| name.replace('_', " "))
-        .collect();
+    let solved = found.solved.iter().flatten();
+    let all = solved.flat_map(|solved| solved.steps.iter());
+    // bodies that yield have more figures than others
+    let names = all
+        .map(|step| step.certificate.figures())
+        .max_by_key(Vec::len)
+        .unwrap_or_default();
+    let names: Vec<&str> = names.into_iter().map(|(name, _)| name).collect();
     let mut text = format!(
         "## Certificates\n\nThe largest figure of all load steps, relative to its scale; in the last line its limit.\n\n\
          | Case | Steps | {} |\n|---|---:|{}\n",
-        names.join(" | "),
+        names.join(" | ").replace('_', " "),
         "---:|".repeat(names.len())
     );
-    let mut limits = String::new();
+    let mut limits = vec![f64::NAN; names.len()];
     for ((case, _), solved) in found.folder.cases.iter().zip(found.solved) {
         let Some(solved) = solved else {
             let _ = writeln!(
@@ -404,39 +407,53 @@ fn certificates(found: &Found<'_>) -> String {
             );
             continue;
         };
-        let figures = worst(solved.steps.iter().map(|step| &step.certificate));
-        let cell = |value: f64| match value {
-            0.0 => "0".to_string(),
-            value => format!("{value:.1e}"),
-        };
-        let values = figures.map(|(relative, limit)| match relative <= limit {
-            true => cell(relative),
-            false => format!("**{}**", cell(relative)),
+        let certificates = || solved.steps.iter().map(|step| &step.certificate);
+        let figures = names.iter().zip(&mut limits).map(|(name, limit)| {
+            let Some((relative, own)) = worst(certificates(), name) else {
+                return String::new();
+            };
+            *limit = own;
+            match relative <= own {
+                true => short(relative),
+                false => format!("**{}**", short(relative)),
+            }
         });
+        let figures: Vec<String> = figures.collect();
         text += &format!(
             "| {} | {} | {} |\n",
             escaped(case),
             solved.steps.len(),
-            values.join(" | ")
+            figures.join(" | ")
         );
-        limits = figures.map(|(_, limit)| cell(limit)).join(" | ");
     }
-    if !limits.is_empty() {
-        text += &format!("| limit | | {limits} |\n");
+    if limits.iter().any(|limit| !limit.is_nan()) {
+        let limits: Vec<String> = limits.into_iter().map(short).collect();
+        text += &format!("| limit | | {} |\n", limits.join(" | "));
     }
     text + "\n"
 }
 
-/// The largest relative figures, and their limits.
-fn worst<'c>(certificates: impl Iterator<Item = &'c Certificate>) -> [(f64, f64); 10] {
-    certificates.fold([(0.0, f64::NAN); 10], |mut worst, certificate| {
-        for (most, (_, figure)) in worst.iter_mut().zip(certificate.figures()) {
-            // NaN counts as the worst value
-            let larger = figure.relative.is_nan() || figure.relative > most.0;
-            *most = (if larger { figure.relative } else { most.0 }, figure.limit);
-        }
-        worst
-    })
+/// A figure of a certificate.
+fn short(value: f64) -> String {
+    match value {
+        0.0 => "0".to_string(),
+        value => format!("{value:.1e}"),
+    }
+}
+
+/// The largest relative figure of a name, and its limit; `None` where no certificate has it.
+fn worst<'c>(
+    certificates: impl Iterator<Item = &'c Certificate>,
+    name: &str,
+) -> Option<(f64, f64)> {
+    let figures = certificates.flat_map(Certificate::figures);
+    let own = figures.filter(|(known, _)| *known == name);
+    own.map(|(_, figure)| (figure.relative, figure.limit))
+        // NaN counts as the worst value
+        .reduce(|most, own| match own.0.is_nan() || own.0 > most.0 {
+            true => own,
+            false => most,
+        })
 }
 
 /// The line of a folder in the table of all.

@@ -134,7 +134,9 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
         progress.finish();
         warn(&run.warnings());
         let steps = run.standing();
-        let failed = run.failure.as_ref().filter(|_| run.count > 1);
+        let several = run.count > 1;
+        let failed = run.failure.as_ref();
+        let failed = failed.filter(|failure| several || failure.carried.is_some());
         let record = output::Record {
             model: &case.model,
             steps,

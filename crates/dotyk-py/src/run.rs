@@ -235,7 +235,9 @@ impl Run {
         case: &'a Case<D>,
         run: &'a dotyk::case::Run<D>,
     ) -> Record<'a, D> {
-        let failed = run.failure.as_ref().filter(|_| run.count > 1);
+        let several = run.count > 1;
+        let failed = run.failure.as_ref();
+        let failed = failed.filter(|failure| several || failure.carried.is_some());
         let now = Instant::now();
         Record {
             model: &case.model,

@@ -47,23 +47,24 @@ fn deviator(a: [f64; 4]) -> [f64; 4] {
     [a[0] - mean, a[1] - mean, a[2] - mean, a[3]]
 }
 
-/// One step of a point to a strain; whether the point yields.
-fn returned((plastic, p): &mut Plastic, strain: [f64; 4], shear: f64, metal: &Metal) -> bool {
+/// One step of a point to a strain; its elastic stress relative to its strength, above 1 where the point yields.
+fn returned((plastic, p): &mut Plastic, strain: [f64; 4], shear: f64, metal: &Metal) -> f64 {
     let trial: [f64; 4] = {
         let dev = deviator(strain);
         std::array::from_fn(|i| 2.0 * shear * (dev[i] - plastic[i]))
     };
     let size = (1.5 * contracted(trial)).sqrt();
-    let beyond = size - metal.yields - metal.hardening * *p;
+    let strength = metal.yields + metal.hardening * *p;
+    let beyond = size - strength;
     if beyond <= 0.0 {
-        return false;
+        return size / strength;
     }
     let more = beyond / (3.0 * shear + metal.hardening);
     *p += more;
     for (plastic, s) in plastic.iter_mut().zip(trial) {
         *plastic += more * 1.5 * s / size;
     }
-    true
+    size / strength
 }
 
 /// The least-squares fit a + bξ + cη of values at points, evaluated at these points.
@@ -100,13 +101,18 @@ fn linear(points: &[(Vector, f64)], values: &[f64]) -> Vec<f64> {
     points.iter().map(at).collect()
 }
 
-/// Nodal forces of the stresses of a body of metal after the displacements of all steps in turn.
+/// A body without a yielding point may have the cells of a flowing one if a point is this near to yielding: with the stiffer cells of an
+/// elastic body that point may yield, so that neither is an answer but this one.
+const NEAR: f64 = 0.9;
+
+/// Nodal forces of the stresses of a body of metal after the displacements of all steps in turn, with the cells of a flowing body if it
+/// flows or `gives_way`; and whether it may have either.
 pub fn internal(
     (mesh, body, metal): (&Mesh, &Body, &Metal),
     analysis: Analysis,
     ways: &[&[Vector]],
-    least: f64,
-) -> Internal {
+    (least, gives_way): (f64, bool),
+) -> (Internal, bool) {
     let round = analysis.axisymmetric();
     let shear = body.young / (2.0 * (1.0 + body.poisson));
     let bulk = body.young / (3.0 * (1.0 - 2.0 * body.poisson));
@@ -120,24 +126,26 @@ pub fn internal(
         rule.map(|(xi, weight)| (xi, station(mesh, cell, xi, weight)))
             .collect()
     };
-    let mut flows = false;
+    let mut most = 0.0;
     let mut plastic: Vec<Vec<Plastic>> = Vec::new();
     for (cell, (_, nodes)) in mesh.cells.iter().enumerate() {
         let of_point = |(_, at): &(Vector, Station)| {
             let mut own = ([0.0; 4], 0.0);
             for moves in ways {
-                flows |= returned(&mut own, strain(at, nodes, moves, round), shear, metal);
+                let size = returned(&mut own, strain(at, nodes, moves, round), shear, metal);
+                most = f64::max(most, size);
             }
             own
         };
         plastic.push(points(cell).iter().map(of_point).collect());
     }
+    let flows = most > 1.0;
     for (cell, (kind, nodes)) in mesh.cells.iter().enumerate() {
         let points = points(cell);
         let strains = points.iter().map(|(_, at)| strain(at, nodes, moves, round));
         let strains: Vec<[f64; 4]> = strains.collect();
         let mut volumes: Vec<f64> = strains.iter().map(|e| e[0] + e[1] + e[2]).collect();
-        if flows && matches!(kind, Kind::Quad8 | Kind::Quad9) {
+        if (flows || gives_way) && matches!(kind, Kind::Quad8 | Kind::Quad9) {
             let places = points
                 .iter()
                 .map(|(xi, at)| (*xi, at.area * depth(body, analysis, at.x)));
@@ -170,5 +178,5 @@ pub fn internal(
             }
         }
     }
-    out
+    (out, !flows && most > NEAR)
 }

@@ -97,15 +97,22 @@ impl State {
             .zip(&answer.meshes)
             .zip(&step.displacements)
         {
+            let least = 0.01 * largest;
             let inside = match &body.more.metal {
                 Some(own) => {
                     let place = state.rest.len();
                     let so_far = answer.steps.iter().filter(|s| s.time <= step.time);
                     let ways = so_far.map(|s| &s.displacements[place][..]);
                     let ways: Vec<&[Vector]> = ways.collect();
-                    metal::internal((mesh, body, own), analysis, &ways, 0.01 * largest)
+                    let forces = |gives_way: bool| {
+                        let of = (mesh, body, own);
+                        metal::internal(of, analysis, &ways, (least, gives_way))
+                    };
+                    let (inside, either) = forces(false);
+                    let other = either.then(|| forces(true).0);
+                    std::iter::once(inside).chain(other).collect()
                 }
-                None => internal(mesh, body, analysis, moves, 0.01 * largest),
+                None => vec![internal(mesh, body, analysis, moves, least)],
             };
             let there = body.more.from.is_none_or(|from| step.time >= from);
             let mut outside = match there {
@@ -121,12 +128,15 @@ impl State {
             for (sum, &bed) in outside.iter_mut().zip(&beds) {
                 *sum = plus(*sum, 1.0, bed);
             }
-            let rest: Vec<Vector> = inside
-                .forces
-                .iter()
-                .zip(&outside)
-                .map(|(&i, &o)| minus(i, o))
-                .collect();
+            let rests = inside.into_iter().map(|inside| {
+                let forces = inside.forces.iter().zip(&outside);
+                let rest: Vec<Vector> = forces.map(|(&i, &o)| minus(i, o)).collect();
+                (rest, inside.magnitudes)
+            });
+            let left = |rest: &[Vector]| rest.iter().map(|&f| length(f)).sum::<f64>();
+            let (rest, own_magnitudes) = rests
+                .min_by(|(a, _), (b, _)| left(a).total_cmp(&left(b)))
+                .unwrap_or_default();
             let sizes = rest.iter().chain(&outside).map(|&f| length(f));
             state.force = state.force.max(0.5 * sizes.sum::<f64>());
             state.moves = moves.iter().fold(state.moves, |s, &u| s.max(length(u)));
@@ -149,7 +159,7 @@ impl State {
                 .fold(0.0, |s: f64, x| s.max(x.abs()));
             state.size = state.size.max(corner);
             state.rest.push(rest);
-            magnitudes.push(inside.magnitudes);
+            magnitudes.push(own_magnitudes);
             state
                 .beds
                 .push(beds.iter().fold([0.0; 2], |s, &f| plus(s, 1.0, f)));

@@ -51,7 +51,7 @@ impl<const D: usize> Case<D> {
                 let mut failure = failed(&steps, reason.to_string(), None);
                 if let Objection::Yields {
                     carried,
-                    driven: false,
+                    unlimited: false,
                     ..
                 } = *reason
                 {

@@ -113,8 +113,12 @@ impl Flow {
     /// Loads are borne by constrained cells, and not by their material.
     pub fn is_held_by_cells(self) -> bool {
         let flows = self.dissipated > Self::FAR * self.sheared;
-        let flat = self.hardened < Self::FLAT * self.dissipated;
-        flows && flat && self.swings > Self::HELD * self.dissipated
+        flows && !self.hardens() && self.swings > Self::HELD * self.dissipated
+    }
+
+    /// What flows bears more the farther it flows.
+    pub fn hardens(self) -> bool {
+        self.hardened >= Self::FLAT * self.dissipated
     }
 
     fn add(&mut self, other: Self) {
@@ -284,15 +288,17 @@ impl Yielded {
     }
 
     /// The plastic strains under nodal displacements at a time, from these of before. With the first point that yields a body flows, and
-    /// its cells change volume as in `volume.rs`. Yielding does not depend on the mean stress: these displacements alone determine it.
+    /// its cells change volume as in `volume.rs`; if it `gives_way` they do so anyway. Yielding does not depend on the mean stress: these
+    /// displacements alone determine it.
     ///
     /// Errors: a group of cells without a material; an initial stress or strain that is not finite.
     pub fn returned<const D: usize>(
         &self,
         of: (&Body<D>, Analysis),
         state: (&[Point<D>], f64),
+        gives_way: bool,
     ) -> Result<Self, FemError> {
-        let flows = !self.is_nothing();
+        let flows = gives_way || !self.is_nothing();
         let after = self.after(of, state, flows)?;
         match flows || after.is_nothing() {
             true => Ok(after),

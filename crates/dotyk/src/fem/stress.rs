@@ -330,7 +330,8 @@ fn means(kind: CellKind, rule: &[([f64; 3], f64)]) -> Vec<Vec<f64>> {
 }
 
 /// Weights of samples at the points of a rule, at each node of the cell: those of the linear function that is nearest to them by
-/// least squares, or of their mean where they are too few for one.
+/// least squares, or of their mean where they are too few for one. Each square has the weight of its point, so that the mean of a
+/// cell is kept.
 fn nearest_linear(kind: CellKind, rule: &[([f64; 3], f64)]) -> Vec<Vec<f64>> {
     let linear = kind.domain().linear();
     let n = linear.nodes();
@@ -340,7 +341,10 @@ fn nearest_linear(kind: CellKind, rule: &[([f64; 3], f64)]) -> Vec<Vec<f64>> {
         shape
     };
     let samples: Vec<Vec<f64>> = rule.iter().map(|(xi, _)| shapes(xi)).collect();
-    let product = |i: usize, j: usize| samples.iter().map(|s| s[i] * s[j]).sum();
+    let part = |(sample, (_, weight)): (&Vec<f64>, &([f64; 3], f64)), i: usize, j: usize| {
+        weight * sample[i] * sample[j]
+    };
+    let product = |i, j| samples.iter().zip(rule).map(|at| part(at, i, j)).sum();
     let mut normal = Mat::from_fn(n, n, product);
     if samples.len() < n || cholesky_in_place(&mut normal).is_err() {
         return means(kind, rule);
@@ -348,9 +352,11 @@ fn nearest_linear(kind: CellKind, rule: &[([f64; 3], f64)]) -> Vec<Vec<f64>> {
     let weights = |xi: &[f64; 3]| {
         let mut of_corners = shapes(xi);
         solve_cholesky_in_place(&normal, &mut of_corners);
-        let each = samples.iter();
-        each.map(|s| s.iter().zip(&of_corners).map(|(s, c)| s * c).sum())
-            .collect()
+        let each = samples.iter().zip(rule);
+        each.map(|(s, (_, weight))| {
+            weight * s.iter().zip(&of_corners).map(|(s, c)| s * c).sum::<f64>()
+        })
+        .collect()
     };
     kind.reference_nodes().iter().map(weights).collect()
 }

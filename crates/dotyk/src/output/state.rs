@@ -109,6 +109,7 @@ mod tests {
             strain: Vec::new(),
             equivalent: Vec::new(),
             share: Vec::new(),
+            cells: Vec::new(),
             extent: 0.0,
             points: points.clone(),
         });

@@ -39,6 +39,10 @@ const ROUGH: Patience = PLAIN.settling(3);
 /// Steps from a coarser problem, whose states are right but for a node.
 const BESIDE: Patience = NEAR.settling(2);
 
+/// Most steps of a rescue where another follows: of 33 that energies answered from a coarser problem none took more than 24 steps,
+/// but one 600.
+const FEW: usize = 30;
+
 /// With fewer blocks than this no coarser problem is solved.
 const SMALL: usize = 96;
 
@@ -151,10 +155,19 @@ fn rescued(
     rescues: &[Rescue],
     observe: Observer<'_>,
 ) -> Ended {
-    for (name, rescue) in rescues {
+    let (most, inside) = (search.most, interior::serves(search.setup));
+    for (place, (name, rescue)) in rescues.iter().enumerate() {
         search.point = point.clone();
         let states = states.clone();
+        // energies that do not fall to an answer at once may fall for hundreds of steps
+        let few = inside && place + 1 < rescues.len();
+        search.most = if few {
+            most.min(search.iterations() + FEW)
+        } else {
+            most
+        };
         let ended = search.stage(name, |search| rescue(search, states, observe));
+        search.most = most;
         if !matches!(ended, Ended::Stuck(_)) {
             return ended;
         }

@@ -1,5 +1,5 @@
-//! Newton's method where bounds of friction follow from normal forces: exact steps, and six further stages where these find
-//! no answer.
+//! Newton's method where bounds of friction follow from normal forces: exact steps, and further stages where these find no
+//! answer.
 //!
 //! Coulomb's law is such a law. Its solution is not the minimum of an energy, so that no energy distinguishes a good step from a
 //! bad one. Each stage covers cases that the one before it cannot solve:
@@ -12,17 +12,17 @@
 //!    bounds that are *given*, those of the best forces so far, the problem is convex and its solution moves the bodies to
 //!    where contacts hold them. Exact steps go on from there, and after them [`alternate_rested`].
 //! 5. [`settle`]: proximal steps, on a problem to which compliance is added until Newton's iteration ends on it.
-//! 6. [`stiffen`]: springs that bear shears within their bounds, softer than the contacts at first: bodies go where normal
-//!    forces hold them before anything sticks.
-//! 7. [`iterate_bounds`]: the convex problem with given bounds, repeated with the bounds that follow from the forces of the
+//! 6. [`iterate_bounds`]: the convex problem with given bounds, repeated with the bounds that follow from the forces of the
 //!    one before. A contraction for small coefficients.
+//!
+//! Where none has an answer, [`limit`] asks whether friction bears a part of the load only.
 //!
 //! An answer that does not come from exact steps is sharpened by exact steps ([`sharpen`]).
 //!
 //! A crowd (`DualProblem::is_crowd`) has the first and the third stage only, or just the third if F is known body by body: the
 //! others wander among forces with which bodies clamp each other, or need dense matrices.
 //!
-//! Stages 4, 5 and 7 begin from the forces of least residual so far: the last ones may have grown without bound.
+//! Stages 4 to 6 begin from the forces of least residual so far: the last ones may have grown without bound.
 //!
 //! As described in Alart & Curnier (1991) for the steps, Nečas, Jarušek & Haslinger (1980) for the bounds.
 
@@ -36,10 +36,11 @@ use crate::solve::exact::{
 use crate::solve::hold::{held, hold};
 use crate::solve::interior::interior;
 use crate::solve::iteration::{completed, counting_from};
-use crate::solve::setup::Setup;
-use crate::solve::springs::{limit, stiffen};
+use crate::solve::limit::limit;
+use crate::solve::setup::{Forces, Setup};
 use crate::solve::states::State;
-use crate::solve::{FixedBounds, Observer, Outcome, SolveError, levels};
+use crate::solve::{FixedBounds, Iterate, Observer, Outcome, SolveError, levels};
+use std::ops::ControlFlow;
 
 /// Exact steps: their residuals may rise on the way.
 const EXACT: Patience = Patience::new(14, f64::INFINITY);
@@ -59,6 +60,9 @@ type Stage<S> = (
     &'static str,
     fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended,
 );
+
+/// Number of the stages that solve no convex problem.
+const WITHOUT_REST: usize = 3;
 
 /// The last stage.
 const BOUNDS: &str = "bounds that are given";
@@ -80,9 +84,8 @@ fn stages<S: FixedBounds>(problem: &DualProblem) -> Vec<Stage<S>> {
     let rested: Stage<S> = ("turns from rest", |_, search, states, observe| {
         alternate_rested(search, states, observe)
     });
-    let stiffen: Stage<S> = ("springs", stiffen);
     match (problem.is_crowd(), problem.parts.is_empty()) {
-        (false, _) => vec![exact, interior, alternate, rest, rested, settle, stiffen],
+        (false, _) => vec![exact, interior, alternate, rest, rested, settle],
         (true, true) => vec![exact, alternate],
         (true, false) => vec![alternate],
     }
@@ -111,10 +114,15 @@ pub(crate) fn solve<S: FixedBounds>(
                 false => Err(search.not_converged(S::NAME, STALLED)),
             };
             match ended {
-                Err(left @ SolveError::NotConverged { .. }) => match limit(method, setup) {
-                    Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
-                    None => Err(left),
-                },
+                Err(left @ SolveError::NotConverged { .. }) => {
+                    let answer = |given: &Setup<'_>, from: Option<&Forces>| {
+                        without_rest(method, given, from)
+                    };
+                    match limit(setup, &answer) {
+                        Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
+                        None => Err(left),
+                    }
+                }
                 ended => ended,
             }
         }
@@ -155,6 +163,21 @@ fn climb<'a, S: FixedBounds>(
         };
     }
     Ok((search, ended))
+}
+
+/// Forces that answer a problem, by the stages that need no convex problem.
+fn without_rest<S: FixedBounds>(
+    method: &S,
+    setup: &Setup<'_>,
+    from: Option<&Forces>,
+) -> Option<Forces> {
+    let guess = from.map(|from| setup.multipliers(&from.lambda, &from.alpha));
+    let stages = &stages(setup.problem)[..WITHOUT_REST];
+    let mut silent = |_: &Iterate<'_>| ControlFlow::Continue(());
+    match climb(method, setup, guess.as_ref(), stages, &mut silent) {
+        Ok((search, Ended::Converged)) => Some(search.point),
+        _ => None,
+    }
 }
 
 /// The best that a few steps find on a coarser problem.
@@ -317,7 +340,6 @@ mod tests {
     const ALTERNATING: usize = 2;
     const AT_REST: usize = 3;
     const SETTLING: usize = 5;
-    const STIFFENING: usize = 6;
 
     fn chosen(places: &[usize]) -> Vec<Stage<Newton>> {
         let all = stages(&LAST.problem());
@@ -419,11 +441,7 @@ mod tests {
     #[test]
     fn alternating_directions_end_where_guessed_states_do_not() {
         needs(&[EXACTLY], ALTERNATING, &LAST);
-        needs(
-            &[EXACTLY, AT_REST, SETTLING, STIFFENING],
-            ALTERNATING,
-            &LAST,
-        );
+        needs(&[EXACTLY, AT_REST, SETTLING], ALTERNATING, &LAST);
     }
 
     #[test]
@@ -435,7 +453,7 @@ mod tests {
             numbers.push(at.iteration);
             ControlFlow::Continue(())
         };
-        let guessing = chosen(&[EXACTLY, AT_REST, SETTLING, STIFFENING]);
+        let guessing = chosen(&[EXACTLY, AT_REST, SETTLING]);
         let (search, ended) = climb(&method, &setup, None, &guessing, &mut observe).unwrap();
         assert!(matches!(ended, Ended::Stuck(_)));
         let before = search.iterations();

@@ -446,6 +446,115 @@ fn the_part_of_a_step_that_is_borne_counts_from_what_acted_before() {
     assert!(off.abs() < 3e-3, "{reason}");
 }
 
+/// A block, pressed on the middle half of its top: coarse cells, in which an elastic block yields first while one with the more
+/// compliant cells of a flowing body does not. It hardens, so every load has an answer, and more of it moves the block farther.
+#[test]
+fn every_load_just_above_first_yield_has_an_answer() {
+    let pressed = |cell: CellKind, load: f64| {
+        let rectangle = Rectangle {
+            from: [0.0, 0.0],
+            to: [4.0, 2.0],
+            cells: [4, 2],
+            cell,
+            diagonals: Diagonals::default(),
+        };
+        let mesh = rectangle.build().unwrap();
+        let mesh = mesh.with_patch("pad", "top", [1.0, 2.0], [3.0, 2.0]);
+        let mut model = Model::<2>::new();
+        let elastic = Elastic {
+            young: 100.0,
+            poisson: 0.3,
+        };
+        let body = model.body("block", mesh.unwrap(), elastic);
+        yields(&mut model, 0, 1.0, 2.0);
+        model.fix(body, "bottom", [Some(0.0); 2]);
+        model.load(
+            body,
+            Load::Pressure {
+                side: "pad".to_string(),
+                pressure: Field::constant(load),
+            },
+        );
+        let at = Reading::At([2.0, 2.0]);
+        model.probe("top", "block.displacement.y", at).unwrap();
+        let solution = model.solve().unwrap();
+        let extent = solution.bodies[0].yielding.as_ref().unwrap().extent;
+        (solution.probes[0].value, extent)
+    };
+    for cell in [CellKind::Quad8, CellKind::Quad9] {
+        let loads: Vec<f64> = (0..30).map(|k| 1.1 + 0.01 * f64::from(k)).collect();
+        let found: Vec<_> = loads.iter().map(|&load| pressed(cell, load)).collect();
+        assert!(found[0].1 == 0.0 && found[29].1 > 0.0);
+        let (elastic, _) = found[0];
+        for (pair, load) in found.windows(2).zip(&loads) {
+            let step = (pair[1].0 - pair[0].0) / elastic;
+            // 0.01 of 1.1 more, a little more where it yields, and a thousandth where the cells change
+            assert!((0.006..0.02).contains(&step), "{load} {step}");
+        }
+    }
+}
+
+/// Mean stress of a body without supports that bear anything: ∫σ dV = ∮ t⊗x dA.
+#[test]
+fn integrals_of_the_stress_of_a_body_that_yields_are_those_of_its_loads() {
+    for (cell, cells) in [
+        (CellKind::Quad8, [12, 8]),
+        (CellKind::Quad9, [12, 8]),
+        (CellKind::Tri6, [12, 8]),
+    ] {
+        let rectangle = Rectangle {
+            from: [0.0, 0.0],
+            to: [3.0, 2.0],
+            cells,
+            cell,
+            diagonals: Diagonals::default(),
+        };
+        let mesh = rectangle.build().unwrap();
+        let mesh = mesh.with_patch("above", "top", [1.0, 2.0], [2.0, 2.0]);
+        let mesh = mesh
+            .unwrap()
+            .with_patch("below", "bottom", [1.0, 0.0], [2.0, 0.0]);
+        let mut model = Model::<2>::new();
+        let body = model.body("block", mesh.unwrap(), STEEL);
+        yields(&mut model, 0, 1.0, 1.0);
+        for (side, traction) in [
+            ("above", [0.2, -1.6]),
+            ("below", [-0.2, 1.6]),
+            ("left", [-0.3, -0.2 / 3.0]),
+            ("right", [0.3, 0.2 / 3.0]),
+        ] {
+            model.load(
+                body,
+                Load::Traction {
+                    side: side.to_string(),
+                    traction: traction.map(Field::constant),
+                },
+            );
+        }
+        // what holds it bears nothing
+        model.pin(body, [0.0, 0.0], [Some(0.0), Some(0.0)]);
+        model.pin(body, [3.0, 0.0], [None, Some(0.0)]);
+        // tₓ x on the patches cancels, on the right 0.3 · 3 · 2; t_y y: -1.6 · 2; tₓ y: 0.2 · 2
+        let expected = [("xx", 1.8), ("yy", -3.2), ("xy", 0.4)];
+        for (component, _) in expected {
+            let quantity = format!("block.stress.{component}");
+            model
+                .probe(component, &quantity, Reading::Integral)
+                .unwrap();
+        }
+        let solution = model.solve().unwrap();
+        assert!(solution.bodies[0].yielding.as_ref().unwrap().extent > 0.5);
+        for (probe, (component, expected)) in solution.probes.iter().zip(expected) {
+            let off = (probe.value - expected).abs();
+            assert!(
+                off < 1e-6,
+                "{cell:?} {component}: {} {expected}",
+                probe.value
+            );
+        }
+    }
+}
+
 #[test]
 fn what_does_not_yield_is_elastic_to_the_bit() {
     let pressures = [0.2, 0.4];

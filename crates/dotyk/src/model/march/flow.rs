@@ -12,9 +12,13 @@
 //! *When it ends.* (u, R(u)) is the answer: its stress is admissible, and the unbalanced nodal forces are the load of R(u) − ε_p.
 //! Where these are negligible beside the largest force of a cell on a node of the same body (forces of other bodies may be far
 //! larger), the answer is judged as that of the elastic problem. Where no body may yield this file does nothing.
+//!
+//! *Just above first yield* a body may have neither state: as an elastic one some point of it yields, and with cells that change volume
+//! as those of a flowing body (`fem/volume.rs`), which are more compliant, none does. After some changes to and fro such a body keeps
+//! these cells for the step.
 
 use crate::dual::OfYield;
-use crate::fem::{FemError, Increment, Yielded};
+use crate::fem::{Analysis, Body, FemError, Increment, Yielded};
 use crate::geometry::{Point, dot, norm, sub};
 use crate::model::march::attempt::{Attempt, Start, run};
 use crate::model::march::judge::Judged;
@@ -46,17 +50,45 @@ const RESCALED: usize = 10;
 /// Bodies flow under their loads, and are not driven, where prescribed motion does at most this part of the dissipated work.
 const DRIVEN: f64 = 0.1;
 
+/// A body that has begun and ceased to yield so often in a step keeps the cells of a flowing one.
+const UNDECIDED: usize = 12;
+
 /// Displacements that strain each body, (D·n,), in the frames of its nodes.
 type Strained = Vec<Vec<f64>>;
 
 /// The search for the plastic strain of a step.
 pub(crate) struct Turns {
-    /// Plastic strain at the beginning of the step, of bodies that may yield.
-    began: Vec<Option<Yielded>>,
+    /// Of bodies that may yield.
+    began: Vec<Option<Began>>,
     /// Elastic problems that have been solved.
     done: usize,
     /// Prescribed motion makes the bodies flow, and may go any distance.
     driven: bool,
+}
+
+/// A body that may yield.
+struct Began {
+    /// Its plastic strain at the beginning of the step.
+    yielded: Yielded,
+    /// Some point has a plastic strain under the last displacements, and how often that has changed.
+    yields: bool,
+    changes: usize,
+}
+
+impl Began {
+    /// Its cells change volume as those of a flowing body, whether a point yields or not.
+    fn gives_way(&self) -> bool {
+        self.changes >= UNDECIDED
+    }
+
+    /// R of displacements.
+    fn returned<const D: usize>(
+        &self,
+        of: (&Body<D>, Analysis),
+        state: (&[Point<D>], f64),
+    ) -> Result<Yielded, FemError> {
+        self.yielded.returned(of, state, self.gives_way())
+    }
 }
 
 impl Turns {
@@ -67,12 +99,17 @@ impl Turns {
     ) -> Result<Self, Error<D>> {
         let before = condensed.state.yielded().into_iter();
         let began = before.zip(&model.bodies).map(|(before, body)| {
-            let began = match (body.is_plastic(), before) {
+            let yielded = match (body.is_plastic(), before) {
                 (false, _) => return Ok(None),
                 (true, Some(before)) => Ok(Yielded::clone(&before)),
                 (true, None) => Yielded::nothing(body, model.analysis),
             };
-            began.map(Some).map_err(|why| Error::in_body(body, why))
+            let yielded = yielded.map_err(|why| Error::in_body(body, why))?;
+            Ok(Some(Began {
+                yields: !yielded.is_nothing(),
+                changes: 0,
+                yielded,
+            }))
         });
         Ok(Self {
             began: began.collect::<Result<_, _>>()?,
@@ -113,7 +150,7 @@ impl Turns {
             let carried = self.carried(model, condensed, start)?;
             attempt.failure = Some(Objection::Yields {
                 turns: (!balanced).then_some(MOST),
-                driven: self.driven,
+                unlimited: self.driven || !balanced && hardens(&done),
                 carried,
             });
             return Ok((attempt, false));
@@ -130,7 +167,7 @@ impl Turns {
         model: &Model<D>,
         condensed: &Condensed<D>,
         strained: &Strained,
-        make: impl Fn(usize, &Yielded, &[Point<D>]) -> Result<T, FemError> + Sync,
+        make: impl Fn(usize, &Began, &[Point<D>]) -> Result<T, FemError> + Sync,
     ) -> Result<Vec<Option<T>>, Error<D>> {
         let each = self.began.par_iter().enumerate().map(|(index, began)| {
             let Some(began) = began else { return Ok(None) };
@@ -153,8 +190,13 @@ impl Turns {
             let of = (&model.bodies[index], model.analysis);
             began.returned(of, (u, condensed.time))
         })?;
-        let some = |yielded: Yielded| (!yielded.is_nothing()).then(|| Arc::new(yielded));
-        Ok(returned.into_iter().map(|own| own.and_then(some)).collect())
+        let all = returned.into_iter().zip(&self.began);
+        let all = all.map(|(yielded, began)| {
+            let (yielded, began) = (yielded?, began.as_ref()?);
+            let some = began.gives_way() || !yielded.is_nothing();
+            some.then(|| Arc::new(yielded))
+        });
+        Ok(all.collect())
     }
 
     /// The largest unbalanced nodal force of each body if the plastic strain of the displacements replaces that of the load.
@@ -184,7 +226,7 @@ impl Turns {
         self.each(model, condensed, strained, |index, began, u| {
             let of = (&model.bodies[index], model.analysis);
             let now = began.returned(of, (u, condensed.time))?;
-            now.since(began, of, (u, condensed.time))
+            now.since(&began.yielded, of, (u, condensed.time))
         })
     }
 
@@ -204,7 +246,12 @@ impl Turns {
                 break;
             }
             self.done += 1;
-            assume(model, condensed, self.returned(model, condensed, &state)?)?;
+            let mut yielded = self.returned(model, condensed, &state)?;
+            if self.decide(&yielded) {
+                yielded = self.returned(model, condensed, &state)?;
+                anderson = Anderson::default();
+            }
+            assume(model, condensed, yielded)?;
             let guess = attempt.outcome.multipliers.clone();
             let start = Start {
                 guess: Some(&guess),
@@ -237,6 +284,20 @@ impl Turns {
             }
         }
         Ok((state, attempt))
+    }
+
+    /// Counts how often bodies have begun and ceased to yield; `true` where that decides about some body.
+    fn decide(&mut self, yielded: &AllYielded) -> bool {
+        let mut decides = false;
+        for (began, yielded) in self.began.iter_mut().zip(yielded) {
+            let Some(began) = began.as_mut().filter(|began| !began.gives_way()) else {
+                continue;
+            };
+            began.changes += usize::from(began.yields != yielded.is_some());
+            began.yields = yielded.is_some();
+            decides |= began.gives_way();
+        }
+        decides
     }
 
     /// The displacements of bodies that may yield, one behind the other.
@@ -374,6 +435,12 @@ fn worst_of(values: &[Option<f64>], scales: &[Option<f64>]) -> [f64; 2] {
 fn held_by_cells<const D: usize>(done: &[Option<Increment<D>>]) -> bool {
     let mut flows = done.iter().flatten().map(|own| own.flow);
     flows.any(|flow| flow.is_held_by_cells())
+}
+
+/// What flows hardens, in all bodies.
+fn hardens<const D: usize>(done: &[Option<Increment<D>>]) -> bool {
+    let mut flows = done.iter().flatten().map(|own| own.flow);
+    flows.all(|flow| flow.dissipated <= 0.0 || flow.hardens())
 }
 
 /// The work that all bodies dissipate.

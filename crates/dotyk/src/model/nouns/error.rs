@@ -447,14 +447,14 @@ pub enum Objection<const D: usize> {
         /// The intrusion of a deformed body into another one, if it is deeper than allowed.
         intrusion: Option<Box<Intrusion<D>>>,
     },
-    /// Loss of equilibrium: the load exceeds the limit load of bodies that yield; or the plastic strain did not settle under prescribed
-    /// motion.
+    /// Loss of equilibrium: the load exceeds the limit load of bodies that yield; or the plastic strain did not settle where there is no
+    /// limit load.
     Yields {
         /// Number of elastic problems without equilibrium; `None`: there is an equilibrium in which cells bear more than the material,
         /// because they cannot flow at constant volume.
         turns: Option<usize>,
-        /// Prescribed motion does a good part of the work: it may go any distance, without a loss of equilibrium.
-        driven: bool,
+        /// There is no limit load: what flows hardens, or prescribed motion does a good part of the work, and may go any distance.
+        unlimited: bool,
         /// The part of the step that they can bear, on a straight line from the loads before it; `None` where that is not known.
         carried: Option<f64>,
     },
@@ -629,13 +629,10 @@ impl<const D: usize> fmt::Display for Objection<D> {
             }
             Self::Yields {
                 turns: Some(turns),
-                driven: true,
+                unlimited: true,
                 carried,
             } => {
-                write!(
-                    f,
-                    "what yields under prescribed motion did not settle in {turns} elastic problems"
-                )?;
+                write!(f, "what yields did not settle in {turns} elastic problems")?;
                 match carried {
                     Some(part) => write!(
                         f,
