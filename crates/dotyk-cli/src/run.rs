@@ -6,8 +6,8 @@ use crate::given::Given;
 use crate::progress::Progress;
 use crate::text::{columns, named, number, print, vector};
 use dotyk::model::{
-    Analysis, BodySolution, ContactSolution, Dimension, Method, Model, ProbeValue, Solution,
-    StressAt, check_file_names,
+    Analysis, BodySolution, ContactSolution, Dimension, MemberSolution, Method, Model, ProbeValue,
+    Solution, StressAt, check_file_names,
 };
 use dotyk::output::{self, Folder, Scales};
 use std::ffi::OsStr;
@@ -250,7 +250,7 @@ fn results<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
         contacts(model, last),
         bodies(model, last),
         points(model, last),
-        bars(last),
+        members(last),
         probes(steps),
     ] {
         if !table.is_empty() {
@@ -385,30 +385,31 @@ fn points<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     columns(&header, &rows, 2..header.len())
 }
 
-/// The forces of bars; an empty text without bars.
-fn bars<const D: usize>(solution: &Solution<D>) -> String {
-    if solution.bars.is_empty() {
-        return String::new();
-    }
+/// The forces of members, a table for each kind; an empty text without members.
+fn members<const D: usize>(solution: &Solution<D>) -> String {
     let scales = Scales::of(solution);
-    let rows = solution.bars.iter().map(|bar| {
-        let forces = || bar.stations.iter().map(|station| station.force);
+    let row = |member: &MemberSolution<D>| {
+        let forces = || member.stations.iter().map(|station| station.force);
         let ends = [
             forces().fold(f64::NAN, f64::min),
             forces().fold(f64::NAN, f64::max),
         ];
-        let state = if bar.tightening { "tightened" } else { "" };
+        let state = if member.tightening { "tightened" } else { "" };
         let [least, most] = ends.map(|f| force(&scales, f));
         vec![
-            bar.name.clone(),
-            number(bar.length),
+            member.name.clone(),
+            number(member.length),
             least,
             most,
             state.to_string(),
         ]
+    };
+    let tables = solution.members_by_kind().map(|(kind, members)| {
+        let rows: Vec<Vec<String>> = members.into_iter().map(row).collect();
+        let header = [kind.words[0], "length", "least N", "largest N", ""];
+        columns(&header, &rows, 1..4)
     });
-    let rows: Vec<Vec<String>> = rows.collect();
-    columns(&["bar", "length", "least N", "largest N", ""], &rows, 1..4)
+    tables.collect::<Vec<String>>().join("\n")
 }
 
 fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {

@@ -23,7 +23,7 @@ mod module {
     #[pymodule_export]
     use super::run::Run;
     #[pymodule_export]
-    use super::{check_file_names, command, keys, nearest, to_json, version};
+    use super::{check_file_names, command, keys, members, nearest, to_json, version};
 }
 
 /// Runs the command with its arguments, its own name the first of them; the exit status.
@@ -38,6 +38,18 @@ fn keys() -> Vec<(&'static str, Vec<&'static str>)> {
     let tables = dotyk::case::keys::ALL.iter();
     tables
         .map(|(table, keys)| (*table, keys.to_vec()))
+        .collect()
+}
+
+/// The kinds of members: the key of each in a case file, that in results, and the keys of one.
+#[pyfunction]
+fn members() -> Vec<(&'static str, &'static str, Vec<&'static str>)> {
+    let (tables, kinds) = (dotyk::case::keys::ALL, dotyk::model::MemberKind::ALL);
+    let tables = tables[tables.len() - kinds.len()..].iter();
+    kinds
+        .iter()
+        .zip(tables)
+        .map(|(kind, (_, keys))| (kind.key, kind.plural, keys.to_vec()))
         .collect()
 }
 

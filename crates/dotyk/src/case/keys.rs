@@ -2,8 +2,26 @@
 //!
 //! The readers refuse any other key; the reference of the command line is tested against the same lists.
 
+use crate::case::members;
+use crate::model::MemberKind;
+
 /// The top level of a case file.
-pub const CASE: &[&str] = &[
+pub const CASE: &[&str] = &{
+    const KINDS: usize = MemberKind::ALL.len();
+    let mut all = [""; BEFORE.len() + KINDS + AFTER.len()];
+    let mut k = 0;
+    while k < all.len() {
+        all[k] = match k {
+            k if k < BEFORE.len() => BEFORE[k],
+            k if k < BEFORE.len() + KINDS => MemberKind::ALL[k - BEFORE.len()].key,
+            k => AFTER[k - BEFORE.len() - KINDS],
+        };
+        k += 1;
+    }
+    all
+};
+/// What stands there before members.
+const BEFORE: &[&str] = &[
     "title",
     "source",
     "analysis",
@@ -13,11 +31,9 @@ pub const CASE: &[&str] = &[
     "body",
     "contact",
     "section",
-    "bar",
-    "solver",
-    "step",
-    "probe",
 ];
+/// What stands behind them.
+const AFTER: &[&str] = &["solver", "step", "probe"];
 /// A mesh outside of a case.
 pub(crate) const CASE_MESH: &[&str] = &["mesh", "drawing"];
 /// `units`.
@@ -255,24 +271,8 @@ pub const SECTION: &[&str] = &[
 pub const CAPACITY: &[&str] = &["compression", "tension", "reinforcement"];
 /// One element of `reinforcement`.
 pub const REINFORCEMENT: &[&str] = &["depth", "area", "yield", "young"];
-/// `[[bar]]`.
-pub const BAR: &[&str] = &[
-    "name",
-    "from",
-    "to",
-    "bodies",
-    "bond",
-    "young",
-    "area",
-    "prestress",
-    "spacing",
-    "tension_only",
-    "yield",
-    "radius",
-    "active",
-];
-/// `from` or `to` of a bar, where it is a side.
-pub const BAR_END: &[&str] = &["side"];
+/// `from` or `to` of a member, where it is a side.
+pub const MEMBER_END: &[&str] = &["side"];
 /// `[solver]`.
 pub const SOLVER: &[&str] = &["method", "tolerance", "max_iterations", "rho", "bolt"];
 /// `[[step]]`.
@@ -316,8 +316,26 @@ pub const REFERENCE: &[&str] = &[
     "against",
 ];
 
-/// Every table with its keys.
-pub const ALL: &[(&str, &[&str])] = &[
+/// Every table with its keys; those of members are the last.
+pub const ALL: &[(&str, &[&str])] = &{
+    let mut all: [(&str, &[&str]); TABLES.len() + MemberKind::ALL.len()] =
+        [("", &[]); TABLES.len() + MemberKind::ALL.len()];
+    let mut k = 0;
+    while k < all.len() {
+        all[k] = match k < TABLES.len() {
+            true => TABLES[k],
+            false => (
+                MemberKind::ALL[k - TABLES.len()].key,
+                members::KEYS[k - TABLES.len()],
+            ),
+        };
+        k += 1;
+    }
+    all
+};
+
+/// Every table but those of members.
+const TABLES: &[(&str, &[&str])] = &[
     ("case", CASE),
     ("units", UNITS),
     ("body", BODY),
@@ -360,8 +378,7 @@ pub const ALL: &[(&str, &[&str])] = &[
     ("section", SECTION),
     ("capacity", CAPACITY),
     ("reinforcement", REINFORCEMENT),
-    ("bar", BAR),
-    ("from", BAR_END),
+    ("from", MEMBER_END),
     ("solver", SOLVER),
     ("step", STEP),
     ("probe", PROBE),

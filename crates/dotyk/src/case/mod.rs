@@ -4,7 +4,6 @@
 //! mechanics remain. Unknown keys are errors. Keys of features that this version does not have are known,
 //! and refused as "not supported yet". Numbers are in any consistent units; paths are relative to the case file.
 
-mod bar;
 mod body;
 mod contact;
 mod couple;
@@ -14,6 +13,7 @@ mod expression;
 mod given;
 mod initial;
 pub mod keys;
+mod members;
 mod mesh;
 mod mesh_file;
 mod outline;
@@ -44,12 +44,12 @@ use crate::case::mesh::Generated;
 use crate::case::mesh_file::MeshFiles;
 use crate::case::source::{Source, analysis};
 use crate::case::steps::Steps;
-use crate::case::suggest::listed;
+use crate::case::suggest::{listed, told};
 use crate::host::free_memory;
 use crate::mesh::Mesh;
 use crate::model::{
-    Analysis, Body, Bolts, Event, Method, Model, Past, ProbeValue, Solution, SolverOptions, Study,
-    Subject, Units, Varied, check_file_names,
+    Analysis, Body, Bolts, Event, MemberKind, Method, Model, Past, ProbeValue, Solution,
+    SolverOptions, Study, Subject, Units, Varied, check_file_names,
 };
 use crate::solve::ContactSolver;
 use std::path::{Path, PathBuf};
@@ -201,7 +201,7 @@ where
     let stage = case.model.stage(solution.time);
     // a list of sides becomes a side of the body
     let mut bodies = stage.bodies.clone();
-    let owners = (&stage.contacts[..], &stage.sections[..], &stage.bars[..]);
+    let owners = (&stage.contacts[..], &stage.sections[..], &stage.members[..]);
     let probe = probe::probe(&source.document, &mut bodies, owners);
     let probe = probe.map_err(|fault| fault.in_source(&source.name, &text))?;
     let model = Model {
@@ -256,11 +256,11 @@ impl<const D: usize> Case<D> {
         match place {
             Some((subject, span)) => {
                 let label = match subject {
-                    Subject::Body(_) => "this body",
-                    Subject::Contact(_) => "this contact",
-                    Subject::Section(_) => "this section",
-                    Subject::Bar(_) => "this bar",
-                    Subject::Probe(_) => "here",
+                    Subject::Body(_) => "this body".to_string(),
+                    Subject::Contact(_) => "this contact".to_string(),
+                    Subject::Section(_) => "this section".to_string(),
+                    Subject::Member(kind, _) => format!("this {}", kind.words[0]),
+                    Subject::Probe(_) => "here".to_string(),
                 };
                 Fault::new(span, message)
                     .label(label)
@@ -273,18 +273,23 @@ impl<const D: usize> Case<D> {
 
 /// Where the names of bodies and contacts stand, and where probes are read.
 fn places(document: &Node) -> Vec<(Subject, Span)> {
-    type Named = fn(String) -> Subject;
-    let kinds: [(&str, Named); 5] = [
-        ("body", Subject::Body),
-        ("contact", Subject::Contact),
-        ("section", Subject::Section),
-        ("bar", Subject::Bar),
-        ("probe", Subject::Probe),
-    ];
+    let of = |key: &str, name: String| {
+        let mut members = MemberKind::ALL.iter();
+        match key {
+            "body" => Some(Subject::Body(name)),
+            "contact" => Some(Subject::Contact(name)),
+            "section" => Some(Subject::Section(name)),
+            "probe" => Some(Subject::Probe(name)),
+            key => {
+                let kind = members.find(|kind| kind.key == key)?;
+                Some(Subject::Member(*kind, name))
+            }
+        }
+    };
     let mut places = Vec::new();
     let entries = document.entries().unwrap_or_default();
-    for (key, subject) in kinds {
-        let lists = entries.iter().filter(|entry| entry.key == key);
+    for key in keys::CASE {
+        let lists = entries.iter().filter(|entry| entry.key == *key);
         for element in lists.flat_map(|entry| entry.node.list().unwrap_or_default()) {
             let fields = element.entries().unwrap_or_default();
             let field = |key: &str| fields.iter().find(|entry| entry.key == key);
@@ -294,7 +299,8 @@ fn places(document: &Node) -> Vec<(Subject, Span)> {
             // only probes have these keys: their errors concern the position
             let place = field("at").or_else(|| field("along"));
             let place = place.map_or(name, |entry| &entry.node);
-            places.push((subject(text.to_string()), place.span.clone()));
+            let subject = of(key, text.to_string());
+            places.extend(subject.map(|subject| (subject, place.span.clone())));
         }
     }
     places
@@ -349,8 +355,15 @@ where
             .help("add a table `[[body]]` with `name`, `mesh` and `material`"));
     }
     let (contacts, sections) = (table.list("contact")?, table.list("section")?);
-    let bars = table.list("bar")?;
-    own_names(&[bodies, contacts, sections, bars])?;
+    let mut named = vec![
+        (bodies, ["body", "bodies"]),
+        (contacts, ["contact", "contacts"]),
+        (sections, ["section", "sections"]),
+    ];
+    for kind in MemberKind::ALL {
+        named.push((table.list(kind.key)?, kind.words));
+    }
+    own_names(&named)?;
     names_of_files(bodies)?;
     if let (Analysis::Solid, Some(entry)) = (analysis, table.entry("section")) {
         let span = sections.first().map_or(&entry.node.span, |node| &node.span);
@@ -376,10 +389,8 @@ where
     let sections = sections.map(|node| section::section(node, &mut bodies));
     let sections = sections.collect::<Result<Vec<_>, _>>()?;
 
-    let nodes = bars;
-    let bars = bars.iter();
-    let bars = bars.map(|node| bar::bar(node, &mut bodies, analysis, &steps));
-    let bars = bars.collect::<Result<Vec<_>, _>>()?;
+    let members = members::members(table, &mut bodies, analysis, &steps)?;
+    let (members, nodes): (Vec<_>, Vec<_>) = members.into_iter().unzip();
 
     let solver = table.get("solver");
     let solver = solver.map_or(Ok(SolverOptions::default()), solver_options)?;
@@ -387,7 +398,7 @@ where
     let probes = table.list("probe")?;
     unique_names(probes, "probes")?;
     let probes = probes.iter();
-    let owners = (&contacts[..], &sections[..], &bars[..]);
+    let owners = (&contacts[..], &sections[..], &members[..]);
     let probes = probes.map(|node| probe::probe(node, &mut bodies, owners));
     let probes = probes.collect::<Result<Vec<_>, _>>()?;
 
@@ -398,7 +409,7 @@ where
         units,
         bodies,
         contacts,
-        bars,
+        members,
         sections,
         solver: SolverOptions {
             memory: free_memory(),
@@ -409,9 +420,9 @@ where
         step_names: steps.names,
         parameters: Vec::new(),
     };
-    for (bar, node) in model.bars.iter().zip(nodes) {
-        if let Err(error) = bar.check(&model) {
-            return Err(bar::fault(&error, node, &bar.name)?);
+    for (member, node) in model.members.iter().zip(nodes) {
+        if let Err(error) = member.check(&model) {
+            return Err(members::fault(&error, node, member));
         }
     }
     Ok(model)
@@ -478,13 +489,12 @@ fn units(node: &Node) -> Result<Units, Fault> {
     })
 }
 
-/// Refuses one `name` for two of bodies, contacts, sections and bars.
-fn own_names(lists: &[&[Node]]) -> Result<(), Fault> {
-    for (list, what) in lists.iter().zip(["bodies", "contacts", "sections", "bars"]) {
-        unique_names(list, what)?;
+/// Refuses one `name` for two of these parts, each with a word for one and for several.
+fn own_names(lists: &[(&[Node], [&str; 2])]) -> Result<(), Fault> {
+    for (list, [_, several]) in lists {
+        unique_names(list, several)?;
     }
-    let kinds = ["a body", "a contact", "a section", "a bar"];
-    let named = lists.iter().zip(kinds).flat_map(|(list, kind)| {
+    let named = lists.iter().flat_map(|(list, [kind, _])| {
         let names = list
             .iter()
             .filter_map(|node| node.entries().ok()?.iter().find(|e| e.key == "name"));
@@ -493,10 +503,15 @@ fn own_names(lists: &[&[Node]]) -> Result<(), Fault> {
     let named: Vec<_> = named.collect();
     for (k, (kind, name, span)) in named.iter().enumerate() {
         if let Some((before, ..)) = named[..k].iter().find(|(_, known, _)| known == name) {
-            let message = format!("`{name}` names {before} already and cannot name {kind}");
+            let message = format!("`{name}` names a {before} already and cannot name a {kind}");
+            let parts: Vec<&str> = lists.iter().map(|(_, words)| words[1]).collect();
+            let help = format!(
+                "names of {} are unique together: quantities of probes begin with them",
+                told(&parts)
+            );
             return Err(Fault::new(span, message)
                 .label("second use of the name")
-                .help("names of bodies, contacts, sections and bars are unique together: quantities of probes begin with them"));
+                .help(help));
         }
     }
     Ok(())

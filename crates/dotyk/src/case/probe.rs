@@ -8,7 +8,7 @@ use crate::case::points::place;
 use crate::case::suggest::listed;
 use crate::geometry::distance;
 use crate::model::{
-    Along, Bar, Body, BodyId, Contact, Mistake, Probe, Quantity, QuantityError, Reading, Section,
+    Along, Body, BodyId, Contact, Member, Mistake, Probe, Quantity, QuantityError, Reading, Section,
 };
 
 fn reductions<const D: usize>() -> [(&'static str, Reading<D>); 4] {
@@ -26,16 +26,15 @@ const UNKNOWN: [&str; 2] = ["the nearest known", "known"];
 pub(crate) fn probe<const D: usize>(
     node: &Node,
     bodies: &mut [Body<D>],
-    (contacts, sections, bars): (&[Contact<D>], &[Section<D>], &[Bar<D>]),
+    (contacts, sections, members): (&[Contact<D>], &[Section<D>], &[Member<D>]),
 ) -> Result<Probe<D>, Fault> {
     let table = node.table(keys::PROBE)?;
     let name = label(table.require("name", "a probe")?)?;
     let quantity_node = table.require("quantity", "a probe")?;
     let contacts: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
     let cut: Vec<&str> = sections.iter().map(|s| s.name.as_str()).collect();
-    let bars: Vec<&str> = bars.iter().map(|b| b.name.as_str()).collect();
-    let named = [&contacts[..], &cut, &bars];
-    let parsed = Quantity::parse(quantity_node.text()?, bodies, named);
+    let named = [&contacts[..], &cut];
+    let parsed = Quantity::parse(quantity_node.text()?, bodies, named, members);
     let quantity = parsed.map_err(|error| fault(quantity_node, &error))?;
     refuse_beside_stations(table, &quantity, quantity_node, sections)?;
     let along = table.get("along").map(|node| along(node, bodies));
@@ -179,8 +178,8 @@ fn reading<const D: usize>(
     refuse_contradiction(table, name, quantity, along)?;
     refuse_rotation(table, quantity, bodies)?;
     match (at, reduced, table.entry("mean_of_neighbours")) {
-        // without a place the force of a bar is the largest
-        (None, None, _) if quantity.is_field() && !quantity.is_of_bar() && along.is_none() => Err(Fault::new(
+        // without a place the force of a member is the largest
+        (None, None, _) if quantity.is_field() && !quantity.is_of_member() && along.is_none() => Err(Fault::new(
             table.span,
             format!("probe `{name}` must say where: `at`, `along` or `reduce` is missing"),
         )

@@ -21,10 +21,9 @@ pub use crate::contact::ContactError;
 pub use ask::check::{BodyCheck, Check};
 pub use ask::compare::{Comparison, ComparisonRow};
 pub use ask::dual::{Dual, Unknown};
-pub use ask::study::{Column, Make, Member, Study, Varied};
+pub use ask::study::{Column, Make, Study, StudyMember, Varied};
 pub use march::past::{Past, PastBody, PastNode};
 pub use march::reuse::Reuse;
-pub use nouns::bar::{Bar, BarEnd, BarError, BarSolution, BarStation, Bond};
 pub use nouns::capacity::{Capacity, Reinforcement};
 pub use nouns::dimension::Dimension;
 pub use nouns::error::{Advice, Error, NotHeld, Objection, ProbeError, Subject};
@@ -34,6 +33,10 @@ pub use nouns::field::{BodyField, On, Shape};
 pub use nouns::file_names::{NameError, check_file_names};
 pub use nouns::ids::*;
 pub use nouns::intrusion::Intrusion;
+pub use nouns::member::{
+    Bond, Line, MemberEnd, MemberError, MemberSolution, MemberStation, MemberWords,
+};
+pub use nouns::members::*;
 pub use nouns::model::*;
 pub use nouns::quantity::{Mistake, Quantity, QuantityError};
 pub use nouns::section::{

@@ -161,14 +161,21 @@ pub fn balance<const D: usize>(
         true => "reaction of its supports and springs",
         false => "reaction of its supports",
     };
-    let touching = match solution.bars.is_empty() {
-        true => "force of its contacts",
-        false => "force of its contacts and bars",
+    let members: Vec<&str> = solution
+        .members_by_kind()
+        .map(|(kind, _)| kind.apart[1])
+        .collect();
+    let touching = match members[..] {
+        [] => "force of its contacts".to_string(),
+        [ref before @ .., last] => {
+            let before: String = before.iter().map(|word| format!(", {word}")).collect();
+            format!("force of its contacts{before} and {last}")
+        }
     };
     let heads = [
         left("body"),
         column(held, &labels.force),
-        column(touching, &labels.force),
+        column(&touching, &labels.force),
         column("applied load, by balance", &labels.force),
     ];
     let out = markup!(
@@ -215,8 +222,8 @@ fn contact_force<const D: usize>(solution: &Solution<D>, body: usize) -> Point<D
             force = add_scaled(force, -sign, contact.resultant);
         }
     }
-    let bars = solution.bodies[body].bar_forces.values();
-    bars.fold(force, |sum, &pull| add_scaled(sum, 1.0, pull))
+    let members = solution.bodies[body].member_forces.values();
+    members.fold(force, |sum, &pull| add_scaled(sum, 1.0, pull))
 }
 
 /// Gap, pressure and state of every contact node.

@@ -1,11 +1,13 @@
 //! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line; `sections.csv` and
-//! `bars.csv`: one row per station of a section or of a bar.
+//! files of members, such as `bars.csv`: one row per station of a section or of a member.
 //!
 //! Signs: gap ≥ 0 open, pressure ≥ 0 compression. Vectors along the interface are given in 2D as one number along the
 //! tangent, which is the normal rotated by +90°, in space by their components. Numbers are the shortest that read back to the same
 //! bits.
 
-use crate::model::{Analysis, ContactNode, ContactSolution, Law, Model, SideRef, Solution};
+use crate::model::{
+    Analysis, ContactNode, ContactSolution, Law, MemberWords, Model, SideRef, Solution,
+};
 use crate::output::chain::{along_tangent, angles, arc_lengths};
 use crate::output::text::AXES;
 use std::borrow::Cow;
@@ -96,18 +98,25 @@ pub fn lines_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     (out.len() > head).then_some(out)
 }
 
-/// Beginning of `bars.csv`.
-pub const BARS_HEAD: &str = "step,bar,station,s,x,y";
+/// The file of a kind of members.
+pub fn members_file(kind: &MemberWords) -> String {
+    format!("{}.csv", kind.plural)
+}
 
-/// Content of `bars.csv` for the steps of one run (numbered from 1), stations numbered from 1: the middles of the elements of
-/// each bar, with N of one bar; `None` without bars.
-pub fn bars_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
-    let mut out = format!("{BARS_HEAD}{}force\n", if D == 2 { "," } else { ",z," });
+/// Its beginning.
+pub fn members_head(kind: &MemberWords) -> String {
+    format!("step,{},station,s,x,y", kind.key)
+}
+
+/// Its content for the steps of one run (numbered from 1), stations numbered from 1: the middles of the elements of each member,
+/// with N of one; `None` without members of this kind.
+pub fn members_csv<const D: usize>(kind: MemberWords, steps: &[Solution<D>]) -> Option<String> {
+    let mut out = members_head(&kind) + if D == 2 { ",force\n" } else { ",z,force\n" };
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
-        for bar in &solution.bars {
-            let start = format!("{},{}", step + 1, quoted(&bar.name));
-            for (index, station) in bar.stations.iter().enumerate() {
+        for member in solution.members.iter().filter(|own| own.kind == kind) {
+            let start = format!("{},{}", step + 1, quoted(&member.name));
+            for (index, station) in member.stations.iter().enumerate() {
                 // Writing to a String cannot fail.
                 let _ = write!(out, "{start},{}", index + 1);
                 numbers(&mut out, &[station.s]);

@@ -5,8 +5,8 @@
 
 use crate::dual::Figure;
 use crate::model::{
-    BarSolution, BodySolution, ContactNode, ContactSolution, CoupleSolution, Intrusion, LinePoint,
-    Seconds, SectionQuantity, SectionSolution, Solution, Status,
+    BodySolution, ContactNode, ContactSolution, CoupleSolution, Intrusion, LinePoint,
+    MemberSolution, Seconds, SectionQuantity, SectionSolution, Solution, Status,
 };
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
@@ -118,7 +118,7 @@ fn step_summary<'a, const D: usize>(
                 line: line_entry(&probe.line),
             })
             .collect(),
-        bars: solution.bars.iter().map(bar_entry).collect(),
+        members: members(solution),
         sections: solution.sections.iter().map(section_entry).collect(),
         warnings: &solution.warnings,
         failed_step: None,
@@ -210,9 +210,9 @@ struct Summary<'a> {
     contacts: Vec<ContactEntry<'a>>,
     bodies: Vec<BodyEntry<'a>>,
     probes: Vec<ProbeEntry<'a>>,
-    /// Only where there are some.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    bars: Vec<BarEntry<'a>>,
+    /// By kinds of which there are some.
+    #[serde(flatten)]
+    members: Members<'a>,
     /// Only where some are cut.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     sections: Vec<SectionEntry<'a>>,
@@ -400,8 +400,18 @@ struct ExtremeEntry {
     at: [f64; 2],
 }
 
+/// Lists of members, each after the key of its kind.
+#[derive(Clone)]
+struct Members<'a>(Vec<(&'static str, Vec<MemberEntry<'a>>)>);
+
+impl Serialize for Members<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(kind, entries)| (kind, entries)))
+    }
+}
+
 #[derive(Clone, Serialize)]
-struct BarEntry<'a> {
+struct MemberEntry<'a> {
     name: &'a str,
     length: f64,
     /// The largest in magnitude, with its sign.
@@ -410,33 +420,42 @@ struct BarEntry<'a> {
     max: f64,
     /// It was tightened in this step.
     tightening: bool,
-    stations: Vec<BarStationEntry<'a>>,
+    stations: Vec<MemberStationEntry<'a>>,
 }
 
 #[derive(Clone, Serialize)]
-struct BarStationEntry<'a> {
+struct MemberStationEntry<'a> {
     station: usize,
     s: f64,
     at: &'a [f64],
     force: f64,
 }
 
-fn bar_entry<const D: usize>(bar: &BarSolution<D>) -> BarEntry<'_> {
-    let [min, max] = range(bar.stations.iter().map(|station| station.force));
-    let stations = bar.stations.iter().enumerate();
-    let stations = stations.map(|(index, station)| BarStationEntry {
+fn members<const D: usize>(solution: &Solution<D>) -> Members<'_> {
+    let kinds = solution.members_by_kind();
+    let kinds = kinds.map(|(kind, own)| {
+        let entries = own.into_iter().map(member_entry);
+        (kind.plural, entries.collect())
+    });
+    Members(kinds.collect())
+}
+
+fn member_entry<const D: usize>(member: &MemberSolution<D>) -> MemberEntry<'_> {
+    let [min, max] = range(member.stations.iter().map(|station| station.force));
+    let stations = member.stations.iter().enumerate();
+    let stations = stations.map(|(index, station)| MemberStationEntry {
         station: index + 1,
         s: station.s,
         at: &station.point[..],
         force: station.force,
     });
-    BarEntry {
-        name: &bar.name,
-        length: bar.length,
-        force: bar.largest().map_or(f64::NAN, |station| station.force),
+    MemberEntry {
+        name: &member.name,
+        length: member.length,
+        force: member.largest().map_or(f64::NAN, |station| station.force),
         min,
         max,
-        tightening: bar.tightening,
+        tightening: member.tightening,
         stations: stations.collect(),
     }
 }

@@ -3,7 +3,6 @@
 //! Result files change together, or not at all: see [`Folder`] and [`Record`]. Numbers and signs are those of the solution; only the report
 //! rounds. The same solution gives the same bytes, except for the timings.
 
-mod bars;
 mod chain;
 mod colour;
 mod compare;
@@ -21,6 +20,7 @@ mod json;
 mod lines;
 mod market;
 mod markup;
+mod members;
 mod npz;
 mod panels;
 mod past;
@@ -55,7 +55,7 @@ pub use text::Scales;
 use crate::dual::Multipliers;
 use crate::geometry::Point;
 use crate::host::peak_memory_bytes;
-use crate::model::{Check, Comparison, Dual, Model, Past, Seconds, Solution, Study};
+use crate::model::{Check, Comparison, Dual, MemberKind, Model, Past, Seconds, Solution, Study};
 use std::borrow::Cow;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -403,8 +403,10 @@ fn write<const D: usize>(record: &Record<'_, D>, folder: &Folder) -> Result<Writ
     if let Some(sections) = csv::sections_csv(model, steps) {
         stage.put(SECTIONS, sections.as_bytes())?;
     }
-    if let Some(bars) = csv::bars_csv(steps) {
-        stage.put(BARS, bars.as_bytes())?;
+    for kind in MemberKind::ALL {
+        if let Some(forces) = csv::members_csv(*kind, steps) {
+            stage.put(&csv::members_file(kind), forces.as_bytes())?;
+        }
     }
     if let Some(state) = state::state(steps) {
         stage.put(state::STATE, &state)?;
@@ -453,11 +455,8 @@ const LINES: &str = "lines.csv";
 /// The file of section forces.
 const SECTIONS: &str = "sections.csv";
 
-/// The file of forces of bars.
-const BARS: &str = "bars.csv";
-
 /// Files of an earlier run in a folder that not every run writes: VTU and VTM files named by its collection, and files that look
-/// like its `lines.csv`, `sections.csv`, `bars.csv` or `state.bin`; unreadable ones are left out.
+/// like its `lines.csv`, `sections.csv`, forces of members or `state.bin`; unreadable ones are left out.
 fn earlier_files(dir: &Path) -> Vec<String> {
     let read = |name: &str| std::fs::read_to_string(dir.join(name)).unwrap_or_default();
     let text = read(COLLECTION);
@@ -469,8 +468,11 @@ fn earlier_files(dir: &Path) -> Vec<String> {
     if read(SECTIONS).starts_with(csv::SECTIONS_HEAD) {
         files.push(SECTIONS.to_string());
     }
-    if read(BARS).starts_with(csv::BARS_HEAD) {
-        files.push(BARS.to_string());
+    for kind in MemberKind::ALL {
+        let name = csv::members_file(kind);
+        if read(&name).starts_with(&csv::members_head(kind)) {
+            files.push(name);
+        }
     }
     if begins(&dir.join(state::STATE), state::STATE_HEAD) {
         files.push(state::STATE.to_string());

@@ -5,13 +5,13 @@
 
 use crate::geometry::Point;
 use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, Solution, Status};
-use crate::output::bars::bars_section;
 use crate::output::figures::Figures;
 use crate::output::html::{self, Head, column, left, plain, table, table_of_vectors, text};
 use crate::output::interface::largest_gap;
 use crate::output::json::{VERSION, largest, range};
 use crate::output::lines::{lines_section, place_in_words};
 use crate::output::markup::{Markup, markup};
+use crate::output::members::member_sections;
 use crate::output::sections::sections_section;
 use crate::output::steps::steps_section;
 use crate::output::strength::strength_section;
@@ -20,7 +20,7 @@ use crate::output::text::{
 };
 use crate::output::utilisation::largest_utilisation;
 use crate::output::yielding::yielding_section;
-use crate::output::{Overview, contacts, verdict};
+use crate::output::{Overview, contacts, csv, verdict};
 
 /// Content of `report.html`.
 pub fn page<const D: usize>(run: &Overview<'_, D>) -> Markup {
@@ -29,12 +29,11 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let files = [
         (lines, ", lines.csv"),
         (!solution.sections.is_empty(), ", sections.csv"),
-        (!solution.bars.is_empty(), ", bars.csv"),
     ];
-    let files = files
-        .iter()
-        .filter(|(there, _)| *there)
-        .map(|(_, name)| *name);
+    let files = files.iter().filter(|(there, _)| *there);
+    let files = files.map(|(_, name)| name.to_string());
+    let members = solution.members_by_kind();
+    let files = files.chain(members.map(|(kind, _)| format!(", {}", csv::members_file(&kind))));
     let footer = format!(
         "Computed with dotyk {VERSION}, case {}. Full numbers: summary.json, contact.csv{}; fields: case.pvd.",
         run.stem,
@@ -62,7 +61,7 @@ fn content<const D: usize>(run: &Overview<'_, D>) -> Markup {
         probes(model, solution, &labels),
         lines_section(run, &labels),
         sections_section(run, &labels),
-        bars_section(run, &labels),
+        member_sections(run, &labels),
         steps_section(run, &labels),
         markup!("<h2>Model</h2>\n"),
         figures.model(&alone),

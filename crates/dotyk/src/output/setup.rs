@@ -1,7 +1,9 @@
 //! Figure "Mesh, supports and loads": the model as a textbook draws it.
 
 use crate::geometry::{Field, Point, unit};
-use crate::model::{Body, Bond, Contact, Elastic, Model, Pair, Place, Support};
+use crate::model::{
+    Body, Bond, Contact, Elastic, Member, MemberKind, MemberWords, Model, Pair, Place, Support,
+};
 use crate::output::markup::Markup;
 use crate::output::points::{couples, draw_points, forces, in_words};
 use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, polyline, strands};
@@ -135,9 +137,10 @@ fn draw_view(svg: &mut Svg, scene: &Scene, view: &View, labels: &Labels) {
             draw_spring(svg, scene, view, i, spring);
         }
     }
-    for bar in &scene.model.bars {
-        if let Ok(ends) = bar.places(scene.model) {
-            draw_bar(svg, ends.map(|end| view.pixel(end)), bar.bond);
+    for member in &scene.model.members {
+        if let Ok(ends) = member.places(scene.model) {
+            let look = look(member);
+            draw_member(svg, ends.map(|end| view.pixel(end)), look);
         }
     }
     draw_points(svg, scene, view, labels);
@@ -321,12 +324,27 @@ fn symbols(svg: &mut Svg, scene: &Scene, flow: &mut Flow) {
     name_links(svg, scene.model, flow);
 }
 
-/// A bar from one end to the other, with its ends marked, or its whole length if it is grouted.
-pub fn draw_bar(svg: &mut Svg, [from, to]: [Pixel; 2], bond: Bond) {
+/// Kind and bond of a member, which a drawing shows.
+type Look = (MemberWords, Bond);
+
+/// Those of a member.
+pub fn look<const D: usize>(member: &Member<D>) -> Look {
+    (member.kind.words(), member.line.bond)
+}
+
+/// Dashes of the kinds, by turns.
+const DASHES: [&str; 3] = ["", "stroke-dasharray=\"5 3\"", "stroke-dasharray=\"2 2\""];
+
+/// A member from one end to the other, dashed by its kind, with its ends marked, or its whole length if it is grouted.
+pub fn draw_member(svg: &mut Svg, [from, to]: [Pixel; 2], (kind, bond): Look) {
     if bond == Bond::Grouted {
         svg.line(from, to, "white", 5.0);
     }
-    svg.line(from, to, BAR, 2.2);
+    let place = MemberKind::ALL.iter().position(|own| *own == kind);
+    match DASHES[place.unwrap_or(0) % DASHES.len()] {
+        "" => svg.line(from, to, BAR, 2.2),
+        dashes => svg.path(&polyline(&[from, to]), BAR, 2.2, "none", dashes),
+    }
     for end in [from, to] {
         svg.circle(
             end,
@@ -338,21 +356,19 @@ pub fn draw_bar(svg: &mut Svg, [from, to]: [Pixel; 2], bond: Bond) {
     }
 }
 
-/// The entries of springs and bars, if there are any.
+/// The entries of springs and members, if there are any.
 pub fn name_links<const D: usize>(svg: &mut Svg, model: &Model<D>, flow: &mut Flow) {
     if model.bodies.iter().any(|body| !body.springs.is_empty()) {
         let at = flow.explain(svg, "spring");
         zigzag(svg, [at[0] + 8.0, at[1] - 12.0], [0.0, 1.0]);
     }
-    for bond in [Bond::Ends, Bond::Grouted] {
-        if model.bars.iter().any(|bar| bar.bond == bond) {
-            let text = match bond {
-                Bond::Ends => "bar, held at its ends",
-                Bond::Grouted => "bar, grouted",
-            };
-            let at = flow.explain(svg, text);
-            let y = at[1] - 4.0;
-            draw_bar(svg, [[at[0], y], [at[0] + 16.0, y]], bond);
+    for (kind, members) in model.members_by_kind() {
+        for bond in [Bond::Ends, Bond::Grouted] {
+            if members.iter().any(|member| member.line.bond == bond) {
+                let at = flow.explain(svg, &format!("{}, {}", kind.words[0], bond.held()));
+                let y = at[1] - 4.0;
+                draw_member(svg, [[at[0], y], [at[0] + 16.0, y]], (kind, bond));
+            }
         }
     }
 }

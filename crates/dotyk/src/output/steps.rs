@@ -1,7 +1,7 @@
 //! Section "Load steps" of the report: curves against time and tables, one row for each step.
 
 use crate::geometry::{norm, sub};
-use crate::model::{BodySolution, ContactSolution, Model, Solution};
+use crate::model::{BodySolution, ContactSolution, MemberWords, Model, Solution};
 use crate::output::Overview;
 use crate::output::figures::Figures;
 use crate::output::html::{Head, column, figure, left, plain, table, text};
@@ -63,7 +63,7 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> Markup {
     if !several && (0..run.stages.len()).all(|step| run.step_name(step).is_none()) {
         return Markup::default();
     }
-    let with_bars = !run.model.bars.is_empty();
+    let kinds: Vec<MemberWords> = run.model.members_by_kind().map(|(kind, _)| kind).collect();
     let mut heads = vec![
         column("step", ""),
         column("t", ""),
@@ -71,21 +71,23 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> Markup {
         left("bodies"),
         left("contacts"),
     ];
-    heads.extend(with_bars.then(|| left("bars")));
+    heads.extend(kinds.iter().map(|kind| left(kind.words[1])));
     let both = || run.steps().zip(&run.stages).enumerate();
     let row = |(step, (solution, stage)): (usize, (&Solution<D>, &Cow<'_, Model<D>>))| {
         let bodies: Vec<&str> = stage.bodies.iter().map(|body| body.name.as_str()).collect();
         let contacts: Vec<&str> = stage.contacts.iter().map(|c| c.name.as_str()).collect();
         let [number, time] = [count(step + 1), number(solution.time)].map(plain);
         let name = run.step_name(step).unwrap_or_default();
-        let bars = solution.bars.iter().map(|bar| match bar.tightening {
-            true => format!("{} (tightened)", bar.name),
-            false => bar.name.clone(),
-        });
-        let bars: Vec<String> = bars.collect();
-        let [bodies, contacts, bars] = [bodies.join(", "), contacts.join(", "), bars.join(", ")];
-        let words = [name, &bodies, &contacts, &bars].map(text);
-        let words = words.into_iter().take(3 + usize::from(with_bars));
+        let of_kind = |kind: &MemberWords| {
+            let members = solution.members.iter().filter(|own| own.kind == *kind);
+            let members = members.map(|own| match own.tightening {
+                true => format!("{} (tightened)", own.name),
+                false => own.name.clone(),
+            });
+            text(&members.collect::<Vec<String>>().join(", "))
+        };
+        let words = [name, &bodies.join(", "), &contacts.join(", ")].map(text);
+        let words = words.into_iter().chain(kinds.iter().map(of_kind));
         [number, time].into_iter().chain(words).collect()
     };
     let table = table(&heads, both().map(row).collect());

@@ -1,6 +1,6 @@
 //! `study.csv`, the page of a study, probes against the varied parameters, and its picture, probes against each other.
 
-use crate::model::{Column, Member, Study};
+use crate::model::{Column, Study, StudyMember};
 use crate::output::csv::quoted;
 use crate::output::html::{self, Head, column, figure, left, plain, table, text};
 use crate::output::json::VERSION;
@@ -160,7 +160,7 @@ fn curves_of_pairs(study: &Study, pairs: &[[String; 2]]) -> Vec<Drawn> {
     let curves = curves(study, along);
     let mut drawn = Vec::new();
     for [x, y] in pairs {
-        let point = |member: &&Member| [x, y].map(|name| value(study, member, name));
+        let point = |member: &&StudyMember| [x, y].map(|name| value(study, member, name));
         let of_pair = shown(&curves).map(|curve| {
             let points: Vec<[f64; 2]> = curve.members.iter().map(point).collect();
             (named(y, &curve.name), points)
@@ -194,7 +194,7 @@ fn alike(curve: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
 }
 
 /// Value of a varied parameter or a probe; NaN for an unknown name.
-fn value(study: &Study, member: &Member, name: &str) -> f64 {
+fn value(study: &Study, member: &StudyMember, name: &str) -> f64 {
     let names = study.varied.iter().map(|parameter| &parameter.name);
     let mut names = names.chain(study.probes.iter().map(|probe| &probe.name));
     let place = names.position(|other| other == name);
@@ -273,7 +273,7 @@ fn plots(study: &Study, labels: &Labels) -> Option<(Markup, String)> {
 struct Curve<'a> {
     /// Values of the others, in words.
     name: String,
-    members: Vec<&'a Member>,
+    members: Vec<&'a StudyMember>,
 }
 
 fn curves(study: &Study, along: usize) -> Vec<Curve<'_>> {

@@ -5,7 +5,7 @@
 
 use dotyk::case::{Case, CaseError};
 use dotyk::geometry::Field;
-use dotyk::model::{BarSolution, BodyId, BodySolution, Load, Model, Solution};
+use dotyk::model::{BodyId, BodySolution, Load, MemberSolution, Model, Solution};
 
 fn solved(text: &str) -> (Model<2>, Vec<Solution<2>>) {
     let model = Case::<2>::from_str(text, "links.toml", "".as_ref())
@@ -39,8 +39,8 @@ fn body<'s>(solution: &'s Solution<2>, name: &str) -> &'s BodySolution<2> {
     found.unwrap()
 }
 
-fn bar<'s>(solution: &'s Solution<2>, name: &str) -> &'s BarSolution<2> {
-    solution.bars.iter().find(|bar| bar.name == name).unwrap()
+fn bar<'s>(solution: &'s Solution<2>, name: &str) -> &'s MemberSolution<2> {
+    solution.member(name).unwrap()
 }
 
 /// A stiff block of 2 × 1 with these keys.

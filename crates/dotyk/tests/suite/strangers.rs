@@ -5,8 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 use dotyk::case::Case;
 use dotyk::geometry::{Field, Point};
 use dotyk::model::{
-    Column, Comparison, ComparisonRow, Dimension, Law, Load, Member, Model, Pair, Solution, Study,
-    Units, Varied,
+    Column, Comparison, ComparisonRow, Dimension, Law, Load, Model, Pair, Solution, Study,
+    StudyMember, Units, Varied,
 };
 use dotyk::output::{FailedStep, Folder, Record, write_comparison, write_study};
 use sha2::{Digest, Sha256};
@@ -123,7 +123,8 @@ fn called<const D: usize>(mut model: Model<D>, word: &str) -> Model<D> {
     if let Pair::Given { mortar, .. } = &mut contact.pair {
         mortar.side = word.to_string();
     }
-    model.bars.iter_mut().for_each(|bar| bar.name = own("bar"));
+    let members = model.members.iter_mut();
+    members.for_each(|member| member.name = own("bar"));
     let sections = model.sections.iter_mut();
     sections.for_each(|section| section.name = own("section"));
     for (k, probe) in model.probes.iter_mut().enumerate() {
@@ -278,7 +279,7 @@ fn nothing_of_a_case_of_space_is_obeyed() {
 
 /// A study whose texts are this word, and a comparison.
 fn tables(word: &str) -> (Study, Comparison) {
-    let members = [1.0, 2.0].map(|value| Member {
+    let members = [1.0, 2.0].map(|value| StudyMember {
         values: vec![value],
         probes: vec![value],
         converged: value < 2.0,

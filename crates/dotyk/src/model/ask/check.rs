@@ -235,7 +235,10 @@ fn describe_floating<const D: usize>(
             if !works(range) {
                 continue;
             }
-            let (kind, name) = (condition.source.kind(), format!("\"{}\"", condition.name));
+            let (kind, name) = (
+                condition.source.kind(model),
+                format!("\"{}\"", condition.name),
+            );
             match held.last_mut().filter(|last| last.0 == kind) {
                 Some((_, names)) => names.push(name),
                 None => held.push((kind, vec![name])),

@@ -289,12 +289,13 @@ impl<const D: usize> Model<D> {
         let couples = names.iter().map(|name| ("coupled point", name));
         let sections = self.sections.iter();
         let sections = sections.map(|section| ("section", &section.name));
-        let bars = self.bars.iter().map(|bar| ("bar", &bar.name));
+        let members = self.members.iter();
+        let members = members.map(|member| (member.kind.words().words[0], &member.name));
         let mut seen = BTreeSet::new();
         match bodies
             .chain(contacts)
             .chain(sections)
-            .chain(bars)
+            .chain(members)
             .chain(couples)
             .find(|(_, name)| !seen.insert(*name))
         {

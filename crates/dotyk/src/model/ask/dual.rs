@@ -18,7 +18,7 @@ use crate::model::read::view::View;
 use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Source, row_ranges};
-use crate::model::system::parts::part_name;
+use crate::model::system::parts::{Owner, part_name};
 use crate::solve::Outcome;
 use std::ops::Range;
 
@@ -41,21 +41,21 @@ pub struct Dual<const D: usize> {
 /// Description of a contact force λᵢ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unknown<const D: usize> {
-    /// Index of its contact in the model; those of couples follow in the order of the bodies, then beds, then bars.
+    /// Index of its contact in the model; those of couples follow in the order of the bodies, then beds, then members.
     pub contact: usize,
     /// Index of its node among those of the contact in a solution.
     pub place: usize,
     /// Index of its node in the mesh of the nonmortar body. For an average couple, which moves the whole side, any of its nodes; for an
-    /// element of a bar, whose ends need not be nodes, the node that moves it most, or zero where that body does not move it.
+    /// element of a member, whose ends need not be nodes, the node that moves it most, or zero where that body does not move it.
     pub node: usize,
     /// 0: along the contact normal, else along a tangent.
     pub component: usize,
     /// Index of its block in the admissible set.
     pub block: usize,
-    /// Undeformed position of the node; of an element of a bar its middle.
+    /// Undeformed position of the node; of an element of a member its middle.
     pub point: Point<D>,
-    /// Unit vector of its row of B. λ > 0 pushes the nonmortar body against it, the mortar body along it; of an element of a bar
-    /// from its beginning to its end, λ > 0 is tension.
+    /// Unit vector of its row of B. λ > 0 pushes the nonmortar body against it, the mortar body along it; of an element of a
+    /// member from its beginning to its end, λ > 0 is tension, of one that bears compression alone the other way round.
     pub direction: Point<D>,
     /// ∫ψ, an area (times thickness or 2πr): pressure, or shear traction, is λ over it.
     pub weight: f64,
@@ -97,8 +97,9 @@ impl<const D: usize> Dual<D> {
         };
         match self.condensed.conditions[unknown.contact].source {
             Source::Contact(_) => components[unknown.component],
-            Source::Bed(..) => "spring",
-            other => other.kind(),
+            Source::Of(Owner::Bed(..)) => "spring",
+            Source::Of(Owner::Member(of)) => self.stage.model.members[of].kind.words().apart[0],
+            Source::Of(other) => other.kind(&self.stage.model),
         }
     }
 

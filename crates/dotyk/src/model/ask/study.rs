@@ -33,7 +33,7 @@ pub struct Column {
 
 /// The case for one choice of values.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Member {
+pub struct StudyMember {
     /// Values of the varied parameters, in their order.
     pub values: Vec<f64>,
     /// Values of the probes in the last load step, NaN where it has no answer.
@@ -58,7 +58,7 @@ pub struct Study {
     /// The probes.
     pub probes: Vec<Column>,
     /// All combinations; the first parameter changes slowest.
-    pub members: Vec<Member>,
+    pub members: Vec<StudyMember>,
 }
 
 /// Makes the model for some values, or gives the reason why it cannot.
@@ -90,7 +90,7 @@ impl Study {
             };
             group.into_iter().map(solve).collect::<Vec<_>>()
         });
-        let mut members: Vec<(usize, Member)> = members.flatten_iter().collect();
+        let mut members: Vec<(usize, StudyMember)> = members.flatten_iter().collect();
         members.sort_by_key(|(index, _)| *index);
         Self {
             members: members.into_iter().map(|(_, member)| member).collect(),
@@ -189,7 +189,7 @@ fn member<const D: usize>(
     values: Vec<f64>,
     probes: usize,
     reuse: &mut Reuse<D>,
-) -> Member {
+) -> StudyMember {
     let solved = model.and_then(|model| {
         let steps = model.solve_reusing(reuse, &mut |_| {});
         steps.map_err(|error| error.to_string())
@@ -204,7 +204,7 @@ fn member<const D: usize>(
         let numbers = read.iter().filter(|probe| probe.line.is_empty());
         numbers.map(|probe| probe.value).collect()
     });
-    Member {
+    StudyMember {
         values,
         converged: reason.is_empty(),
         probes: read.unwrap_or_else(|| vec![f64::NAN; probes]),

@@ -245,7 +245,7 @@ impl Unrest {
         let (index, point) = *carriers(model, conditions).get(row)?;
         Some(format!(
             "friction took {iterations} iterations, and the forces of {} at {} changed most: the answer is certified, but may not be the only one; smaller load steps tell which one loading leads to",
-            conditions[index].called(),
+            conditions[index].called(model),
             show(point)
         ))
     }

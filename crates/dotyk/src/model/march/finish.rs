@@ -4,8 +4,8 @@ use crate::contact::{Coupling, Row};
 use crate::fem::{Short, show};
 use crate::model::march::attempt::Attempt;
 use crate::model::march::judge::{Blur, Judged, blurred, held_to_overlap, left_to_overlap};
-use crate::model::nouns::bar::Bar;
 use crate::model::nouns::error::Error;
+use crate::model::nouns::members::Member;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::*;
@@ -17,10 +17,10 @@ use crate::model::read::remarks::contact_remarks;
 use crate::model::read::section::{pushes, section_forces};
 use crate::model::read::singular::peaks;
 use crate::model::read::view::View;
-use crate::model::system::bar::bar_solutions;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Condition, carriers, contact_rows};
 use crate::model::system::dependent::shared_forces;
+use crate::model::system::member::member_solutions;
 use crate::solve::{Bolt, Outcome};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -58,12 +58,21 @@ pub(crate) fn finish<const D: usize>(
     // a body that slides away has no position to report
     let placed = failure.is_none() || outcome.iterations > 0;
     for body in judged.displaced.hovering.iter().filter(|_| placed) {
-        let hangs = |bar: &Bar<D>| bar.touched().any(|id| model.bodies[id.0].name == *body);
-        let why = match model.bars.iter().any(hangs) {
-            true => {
-                "nothing but bars holds it, which leave it free to move, and no load moves it so"
-            }
-            false => "it touches nothing and carries no load",
+        let hangs = |member: &&Member<D>| {
+            let mut touched = member.line.touched();
+            touched.any(|id| model.bodies[id.0].name == *body)
+        };
+        let mut several: Vec<&str> = Vec::new();
+        for member in model.members.iter().filter(hangs) {
+            let own = member.kind.words().apart[1];
+            several.extend((!several.contains(&own)).then_some(own));
+        }
+        let why = match &several[..] {
+            [] => "it touches nothing and carries no load".to_string(),
+            all => format!(
+                "nothing but {} holds it, which leave it free to move, and no load moves it so",
+                all.join(" and ")
+            ),
         };
         warnings.push(format!(
             "body \"{body}\" hovers: {why}; it is placed by least norm of the displacement"
@@ -142,7 +151,7 @@ pub(crate) fn finish<const D: usize>(
         dofs: bodies.iter().map(|body| body.dofs).sum(),
         bodies,
         contacts,
-        bars: bar_solutions(stage, &condensed.conditions, lambda)?,
+        members: member_solutions(stage, &condensed.conditions, lambda)?,
         sections,
         certificate,
         overlap,

@@ -412,7 +412,7 @@ fn open_motions<const D: usize>(
     }
     let components = problem.admissible.components();
     let mut free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
-    // a bar is a tie until it yields
+    // a member is a tie until it yields
     for (rows, condition) in
         row_ranges(&condensed.conditions).filter(|(_, condition)| condition.elastic.is_some())
     {
@@ -584,7 +584,7 @@ fn of_domains<const D: usize>(
     found
 }
 
-/// Energy that the offsets of joints and bars, their forces besides those of the rows, would store alone, by row: where the row
+/// Energy that the offsets of joints and members, their forces besides those of the rows, would store alone, by row: where the row
 /// forces cancel the offsets, the remainder is rounding.
 fn of_base<const D: usize>(condensed: &Condensed<D>) -> impl Iterator<Item = (usize, f64)> {
     let rows =

@@ -40,7 +40,7 @@ pub(crate) fn objection<const D: usize>(
             let row = condensed.problem.least_settled(forces);
             let worst = row.map(|row| {
                 let (index, point) = carriers(model, &condensed.conditions)[row];
-                let called = condensed.conditions[index].called();
+                let called = condensed.conditions[index].called(model);
                 (called, point, advice(model, condensed, (forces, *residual)))
             });
             Some(Objection::Unsettled {

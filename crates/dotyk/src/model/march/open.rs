@@ -76,7 +76,7 @@ pub(crate) fn most_open<const D: usize>(
     let each =
         contact_rows(&condensed.conditions).map(|(_, (rows, condition))| (most(rows), condition));
     let (_, condition) = each.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some(condition.called())
+    Some(condition.called(model))
 }
 
 /// Size of the force of all rows together on the node of each row (m,): where contacts meet, their forces on a node may cancel, and

@@ -51,11 +51,13 @@ pub(crate) fn sliding<const D: usize>(
 fn gives_way<const D: usize>(model: &Model<D>) -> &'static str {
     let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
     let friction = !model.contacts.iter().all(|contact| smooth(&contact.law));
-    let yields = model.bars.iter().any(|bar| bar.yields.is_some());
-    match (friction, yields) {
-        (_, false) => "friction",
-        (false, true) => "the strength of the bars",
-        (true, true) => "friction, with the strength of the bars,",
+    let mut members = model.members.iter();
+    match members.find_map(|member| member.kind.pull().exhausted()) {
+        None => "friction",
+        Some([alone, beside]) => match friction {
+            false => alone,
+            true => beside,
+        },
     }
 }
 

@@ -22,7 +22,7 @@ use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
 use crate::model::system::condense::{Condensed, linearise};
-use crate::model::system::condition::{Condition, Source, row_ranges};
+use crate::model::system::condition::{Condition, row_ranges};
 use crate::model::system::state::State;
 use crate::solve::ContactSolver;
 use std::mem::take;
@@ -292,14 +292,15 @@ fn slip<const D: usize>(
     // gap = g₀ + slip at the last step − slip now
     let before = condensed.state.slips(&condensed.conditions);
     for (rows, condition) in row_ranges(&condensed.conditions) {
-        let slackens = matches!(condition.source, Source::Bar(bar) if model.bars[bar].slackens());
+        let member = condition.source.member();
+        let slackens = member.is_some_and(|place| model.members[place].kind.pull().slackens());
         for (row, tangential) in rows.zip(condition.slides()) {
             let before = before[row];
             let now = before - judged.displaced.gaps[row];
             slip[row] = match (tangential, slackens) {
                 (false, _) => 0.0,
                 (true, false) => now,
-                // the elongation of a slack bar is not plastic
+                // the elongation of what is slack is not plastic
                 (true, true) => now.max(before),
             };
         }

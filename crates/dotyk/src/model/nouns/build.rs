@@ -29,7 +29,7 @@ impl<const D: usize> Model<D> {
             units: Units::default(),
             bodies: Vec::new(),
             contacts: Vec::new(),
-            bars: Vec::new(),
+            members: Vec::new(),
             sections: Vec::new(),
             solver: SolverOptions::default(),
             probes: Vec::new(),
@@ -234,9 +234,8 @@ impl<const D: usize> Model<D> {
         let contacts: Vec<&str> = contacts.collect();
         let sections = self.sections.iter().map(|section| section.name.as_str());
         let sections: Vec<&str> = sections.collect();
-        let bars: Vec<&str> = self.bars.iter().map(|bar| bar.name.as_str()).collect();
-        let named = [&contacts[..], &sections, &bars];
-        let quantity = Quantity::parse(quantity, &self.bodies, named)?;
+        let named = [&contacts[..], &sections];
+        let quantity = Quantity::parse(quantity, &self.bodies, named, &self.members)?;
         self.probes.push(Probe {
             name: name.to_string(),
             quantity,

@@ -6,9 +6,10 @@ use crate::fem::{Analysis, Body, FemError, Short, show};
 use crate::geometry::{Field, Point};
 use crate::host::told;
 use crate::linalg::LinalgError;
-use crate::model::nouns::bar::BarError;
 use crate::model::nouns::file_names::NameError;
 use crate::model::nouns::intrusion::Intrusion;
+use crate::model::nouns::member::{MemberError, MemberWords};
+use crate::model::nouns::members::MemberKind;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::section::SectionError;
 use crate::model::nouns::solution::Solution;
@@ -26,8 +27,31 @@ pub enum Subject {
     Probe(String),
     /// A section.
     Section(String),
-    /// A bar.
-    Bar(String),
+    /// A member, after its kind.
+    Member(MemberWords, String),
+}
+
+impl Subject {
+    /// Its name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Body(name)
+            | Self::Contact(name)
+            | Self::Probe(name)
+            | Self::Section(name)
+            | Self::Member(_, name) => name,
+        }
+    }
+}
+
+/// The parts whose names are unique together, in words.
+fn named_parts() -> String {
+    let members = MemberKind::ALL.iter().map(|kind| kind.words[1]);
+    let parts: Vec<&str> = ["bodies", "contacts", "sections"]
+        .into_iter()
+        .chain(members)
+        .collect();
+    parts.join(", ")
 }
 
 /// An error of the whole model: it names body, contact, side or node and says what to do.
@@ -58,10 +82,11 @@ pub enum Error<const D: usize> {
     NothingLeft(usize),
     /// Two parts have one name.
     #[error(
-        "two parts of the model are named \"{name}\": bodies, contacts, sections, bars and coupled points need names of their own; rename the {kind}"
+        "two parts of the model are named \"{name}\": {} and coupled points need names of their own; rename the {kind}",
+        named_parts()
     )]
     SameName {
-        /// The kind of the second one: "body", "contact", "section", "bar" or "coupled point".
+        /// The kind of the second one: "body", "contact", "section", a kind of members or "coupled point".
         kind: &'static str,
         /// The name.
         name: String,
@@ -154,13 +179,14 @@ pub enum Error<const D: usize> {
     },
     /// Something is there in no load step.
     #[error(
-        "{what} \"{name}\" is there in no load step: look at the times of the steps and at what is `active`, of it and of its bodies"
+        "{what} \"{}\" is there in no load step: look at the times of the steps and at what is `active`, of it and of its bodies",
+        subject.name()
     )]
     NeverThere {
         /// What it is.
         what: &'static str,
-        /// Its name, or that of its body.
-        name: String,
+        /// It, or its body.
+        subject: Subject,
     },
     /// The load pulls a floating body away from everything that could hold it.
     #[error(
@@ -194,7 +220,7 @@ pub enum Error<const D: usize> {
         /// The fault.
         source: ProbeError<D>,
     },
-    /// A spring or bar has a stiffness out of range.
+    /// A spring or member has a stiffness out of range.
     #[error("{part}: its stiffness is out of range: {source}")]
     Part {
         /// Which.
@@ -202,13 +228,15 @@ pub enum Error<const D: usize> {
         /// Why not.
         source: LinalgError,
     },
-    /// A bar cannot be laid.
-    #[error("bar \"{bar}\": {source}")]
-    Bar {
-        /// The bar.
-        bar: String,
+    /// A member cannot be laid.
+    #[error("{} \"{name}\": {source}", kind.words[0])]
+    Member {
+        /// Its kind.
+        kind: MemberWords,
+        /// Its name.
+        name: String,
         /// Why not.
-        source: BarError,
+        source: MemberError,
     },
     /// A section cannot be cut.
     #[error("section \"{section}\": {source}")]
@@ -297,19 +325,31 @@ impl<const D: usize> Error<D> {
             | Self::NotHeld { body, .. }
             | Self::OutOfReach { body, .. }
             | Self::PulledAway { body, .. } => Some(Subject::Body(body.clone())),
-            Self::NeverThere { what, name } if *what == "bar" => Some(Subject::Bar(name.clone())),
-            Self::NeverThere { what, name } if *what != "contact" => {
-                Some(Subject::Body(name.clone()))
-            }
-            Self::NeverThere { name: contact, .. }
-            | Self::Contact { contact, .. }
+            Self::NeverThere { subject, .. } => Some(subject.clone()),
+            Self::Contact { contact, .. }
             | Self::Unfit { contact, .. }
             | Self::Obstacle { contact, .. } => Some(Subject::Contact(contact.clone())),
             Self::Probe { probe, .. } => Some(Subject::Probe(probe.clone())),
-            Self::Bar { bar, .. } => Some(Subject::Bar(bar.clone())),
+            Self::Member { kind, name, .. } => Some(Subject::Member(*kind, name.clone())),
             Self::Section { section, .. } => Some(Subject::Section(section.clone())),
             Self::Step { source, .. } => source.subject(),
-            _ => None,
+            // these are about all of it, or about parts that have no place of their own
+            Self::NoBody
+            | Self::Dimension(_)
+            | Self::NoStep
+            | Self::Times(_)
+            | Self::Past { .. }
+            | Self::NothingLeft(_)
+            | Self::SameName { .. }
+            | Self::Memory { .. }
+            | Self::TooLarge { .. }
+            | Self::Part { .. }
+            | Self::BoltWithoutContact
+            | Self::BoltAway { .. }
+            | Self::Bolts { .. }
+            | Self::Solver(_)
+            | Self::RigidModes(_)
+            | Self::NotConverged { .. } => None,
         }
     }
 }

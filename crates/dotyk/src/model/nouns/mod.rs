@@ -1,6 +1,5 @@
 //! Input and results: models, solutions, errors, and the words for them.
 
-pub mod bar;
 pub mod build;
 pub mod capacity;
 pub mod dimension;
@@ -10,6 +9,8 @@ pub mod field;
 pub mod file_names;
 pub mod ids;
 pub mod intrusion;
+pub mod member;
+pub mod members;
 pub mod model;
 pub mod presence;
 pub mod quantity;

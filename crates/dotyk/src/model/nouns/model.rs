@@ -6,8 +6,9 @@ use std::fmt;
 
 use crate::dual::Friction;
 use crate::geometry::{Field, Point};
-use crate::model::nouns::bar::Bar;
 use crate::model::nouns::dimension::Dimension;
+use crate::model::nouns::member::MemberWords;
+use crate::model::nouns::members::{Member, by_kind};
 use crate::model::nouns::quantity::Quantity;
 use crate::model::nouns::section::Section;
 
@@ -486,8 +487,8 @@ pub struct Model<const D: usize> {
     pub bodies: Vec<Body<D>>,
     /// The contacts.
     pub contacts: Vec<Contact<D>>,
-    /// Bolts, anchors and ties.
-    pub bars: Vec<Bar<D>>,
+    /// Bolts, anchors, ties, and springs between places; those of a kind stand together in a case file and in results.
+    pub members: Vec<Member<D>>,
     /// Bodies that are cut across for their section forces.
     pub sections: Vec<Section<D>>,
     /// How to solve.
@@ -501,6 +502,13 @@ pub struct Model<const D: usize> {
     pub step_names: Vec<String>,
     /// Named values with which the model was made, for the results.
     pub parameters: Vec<(String, f64)>,
+}
+
+impl<const D: usize> Model<D> {
+    /// The members of each kind that it has, in the order of all kinds.
+    pub(crate) fn members_by_kind(&self) -> impl Iterator<Item = (MemberWords, Vec<&Member<D>>)> {
+        by_kind(&self.members, |member| member.kind.words())
+    }
 }
 
 impl<const D: usize> Model<D> {

@@ -4,9 +4,10 @@
 //! A part is present in the steps whose time t lies in from ≤ t < until; parts of the first step do not count as appearing.
 
 use crate::fem::Active;
-use crate::model::nouns::bar::{Bar, BarEnd};
-use crate::model::nouns::error::Error;
+use crate::model::nouns::error::{Error, Subject};
 use crate::model::nouns::ids::{BodyId, SideRef};
+use crate::model::nouns::member::{Line, MemberEnd};
+use crate::model::nouns::members::Member;
 use crate::model::nouns::model::{Along, Body, Contact, Model, Pair, Probe};
 use crate::model::nouns::section::Section;
 use std::borrow::Cow;
@@ -21,8 +22,8 @@ pub(crate) struct Presence {
     pub supports: Vec<Vec<bool>>,
     /// Of each body.
     pub springs: Vec<Vec<bool>>,
-    pub bars: Vec<bool>,
-    /// Bars that are being tightened: prestressed ones in their first step.
+    pub members: Vec<bool>,
+    /// Members that are being tightened: prestressed ones in their first step.
     pub tightening: Vec<bool>,
 }
 
@@ -31,18 +32,18 @@ impl Presence {
     pub fn at<const D: usize>(model: &Model<D>, time: f64) -> Self {
         let before = model.times.iter().copied().filter(|&before| before < time);
         let before = before.reduce(f64::max);
-        let bars = |time: f64| {
-            let there = |bar: &Bar<D>| {
-                let mut bodies = bar.touched();
-                bar.active.at(time) && bodies.all(|body| model.bodies[body.0].active.at(time))
+        let members = |time: f64| {
+            let there = |member: &Member<D>| {
+                let mut bodies = member.line.touched();
+                member.active.at(time) && bodies.all(|body| model.bodies[body.0].active.at(time))
             };
-            model.bars.iter().map(there).collect::<Vec<bool>>()
+            model.members.iter().map(there).collect::<Vec<bool>>()
         };
-        let there = bars(time);
-        let been = before.map_or(vec![false; there.len()], bars);
+        let there = members(time);
+        let been = before.map_or(vec![false; there.len()], members);
         let new = there.iter().zip(&been).map(|(now, been)| *now && !been);
-        let tightened = new.zip(&model.bars);
-        let tightening = tightened.map(|(new, bar)| new && bar.prestress.is_some());
+        let tightened = new.zip(&model.members);
+        let tightening = tightened.map(|(new, member)| new && prestressed(member));
         let tightening = tightening.collect();
         let bodies: Vec<bool> = model.bodies.iter().map(|b| b.active.at(time)).collect();
         let touching = |contact: &Contact<D>| {
@@ -55,7 +56,7 @@ impl Presence {
             contacts: model.contacts.iter().map(touching).collect(),
             supports: model.bodies.iter().map(supports).collect(),
             springs: model.bodies.iter().map(springs).collect(),
-            bars: there,
+            members: there,
             tightening,
             bodies,
         }
@@ -63,11 +64,24 @@ impl Presence {
 
     /// Everything is there.
     pub fn is_whole(&self) -> bool {
-        let all = |list: &[bool]| list.iter().all(|&there| there);
-        let mut inner = self.supports.iter().chain(&self.springs);
-        let lists = [&self.bodies, &self.contacts, &self.bars];
-        lists.into_iter().all(|list| all(list)) && inner.all(|list| all(list))
+        let Self {
+            bodies,
+            contacts,
+            supports,
+            springs,
+            members,
+            // what is tightened is there
+            tightening: _,
+        } = self;
+        let lists = [bodies, contacts, members].into_iter();
+        let mut lists = lists.chain(supports).chain(springs);
+        lists.all(|list| list.iter().all(|&there| there))
     }
+}
+
+/// It pulls with its prestress in the step in which it comes.
+fn prestressed<const D: usize>(member: &Member<D>) -> bool {
+    member.kind.pull().prestress().is_some()
 }
 
 /// Index of each present element among those present.
@@ -93,7 +107,7 @@ pub(crate) fn kept<'a, T>(all: &'a [T], there: &'a [bool]) -> impl Iterator<Item
 pub(crate) struct Stage<'m, const D: usize> {
     /// The present parts; borrowed where all are present.
     pub model: Cow<'m, Model<D>>,
-    /// Whether each bar is being tightened: it pulls with its prestress.
+    /// Whether each member is being tightened: it pulls with its prestress.
     pub tightening: Vec<bool>,
     /// Absent contacts: their names, and their sides on present bodies.
     pub absent: Vec<(String, Vec<SideRef>)>,
@@ -104,11 +118,7 @@ impl<'m, const D: usize> Stage<'m, D> {
     pub fn whole(model: &'m Model<D>) -> Self {
         Self {
             model: Cow::Borrowed(model),
-            tightening: model
-                .bars
-                .iter()
-                .map(|bar| bar.prestress.is_some())
-                .collect(),
+            tightening: model.members.iter().map(prestressed).collect(),
             absent: Vec::new(),
         }
     }
@@ -128,7 +138,7 @@ impl<'m, const D: usize> Stage<'m, D> {
                 true => Cow::Borrowed(model),
                 false => Cow::Owned(model.part(there, None)),
             },
-            tightening: kept(&there.tightening, &there.bars).copied().collect(),
+            tightening: kept(&there.tightening, &there.members).copied().collect(),
             absent: absent.collect(),
         }
     }
@@ -190,8 +200,7 @@ impl<const D: usize> Model<D> {
 
     /// Whether its steps pass on a state other than slip.
     pub(crate) fn is_staged(&self) -> bool {
-        let prestressed = self.bars.iter().any(|bar| bar.prestress.is_some());
-        prestressed || self.has_stages()
+        self.members.iter().any(prestressed) || self.has_stages()
     }
 
     /// Whether the presence at a time differs from that in its first load step.
@@ -207,8 +216,8 @@ impl<const D: usize> Model<D> {
             .iter()
             .map(|section| there.bodies[section.body.0]);
         let cut: Vec<bool> = cut.collect();
-        let [bodies, contacts, sections, bars] =
-            [&there.bodies, &there.contacts, &cut, &there.bars].map(|list| places(list));
+        let [bodies, contacts, sections, members] =
+            [&there.bodies, &there.contacts, &cut, &there.members].map(|list| places(list));
         let side = |side: &SideRef| placed(side, &bodies);
         let body = |(index, body): (usize, &Body<D>)| {
             let supports = kept(&body.supports, &there.supports[index]);
@@ -247,22 +256,26 @@ impl<const D: usize> Model<D> {
                 ..section.clone()
             })
         };
-        let bar = |bar: &Bar<D>| {
-            let end = |end: &BarEnd<D>| {
+        let member = |member: &Member<D>| {
+            let end = |end: &MemberEnd<D>| {
                 Some(match end {
-                    BarEnd::Side(of) => BarEnd::Side(side(of)?),
-                    BarEnd::Point(point) => BarEnd::Point(*point),
+                    MemberEnd::Side(of) => MemberEnd::Side(side(of)?),
+                    MemberEnd::Point(point) => MemberEnd::Point(*point),
                 })
             };
-            let [from, to] = &bar.ends;
-            let named = bar.bodies.iter().filter_map(|body| bodies[body.0]);
-            Some(Bar {
-                ends: [end(from)?, end(to)?],
-                bodies: named.map(BodyId).collect(),
-                ..bar.clone()
+            let line = &member.line;
+            let [from, to] = &line.ends;
+            let named = line.bodies.iter().filter_map(|body| bodies[body.0]);
+            Some(Member {
+                line: Line {
+                    ends: [end(from)?, end(to)?],
+                    bodies: named.map(BodyId).collect(),
+                    ..line.clone()
+                },
+                ..member.clone()
             })
         };
-        let owners = [&bodies, &contacts, &sections, &bars].map(|list| &list[..]);
+        let owners = [&bodies, &contacts, &sections, &members].map(|list| &list[..]);
         let probe = |probe: &Probe<D>| {
             Some(Probe {
                 quantity: probe.quantity.placed(owners)?,
@@ -287,7 +300,9 @@ impl<const D: usize> Model<D> {
             contacts: kept(&self.contacts, &there.contacts)
                 .filter_map(contact)
                 .collect(),
-            bars: kept(&self.bars, &there.bars).filter_map(bar).collect(),
+            members: kept(&self.members, &there.members)
+                .filter_map(member)
+                .collect(),
             sections: kept(&self.sections, &cut).filter_map(section).collect(),
             solver: self.solver.clone(),
             probes: self.probes.iter().filter_map(probe).collect(),
@@ -299,38 +314,35 @@ impl<const D: usize> Model<D> {
 
     /// Errors: a part that is present in no load step.
     pub(crate) fn check_presence(&self) -> Result<(), Error<D>> {
-        let never = |what, name: &str| {
-            Err(Error::NeverThere {
-                what,
-                name: name.to_string(),
-            })
-        };
+        let never = |what, subject: Subject| Err(Error::NeverThere { what, subject });
+        let of_body = |body: &Body<D>| Subject::Body(body.name.clone());
         let all: Vec<Presence> = self.times.iter().map(|&t| Presence::at(self, t)).collect();
         for (index, body) in self.bodies.iter().enumerate() {
             if !all.iter().any(|there| there.bodies[index]) {
-                return never("body", &body.name);
+                return never("body", of_body(body));
             }
             for (place, support) in body.supports.iter().enumerate() {
                 let holds = |there: &Presence| there.bodies[index] && there.supports[index][place];
                 if support.active != Active::ALWAYS && !all.iter().any(holds) {
-                    return never("a support of body", &body.name);
+                    return never("a support of body", of_body(body));
                 }
             }
             for (place, spring) in body.springs.iter().enumerate() {
                 let holds = |there: &Presence| there.bodies[index] && there.springs[index][place];
                 if spring.active != Active::ALWAYS && !all.iter().any(holds) {
-                    return never("a spring of body", &body.name);
+                    return never("a spring of body", of_body(body));
                 }
             }
         }
         for (index, contact) in self.contacts.iter().enumerate() {
             if !all.iter().any(|there| there.contacts[index]) {
-                return never("contact", &contact.name);
+                return never("contact", Subject::Contact(contact.name.clone()));
             }
         }
-        for (index, bar) in self.bars.iter().enumerate() {
-            if !all.iter().any(|there| there.bars[index]) {
-                return never("bar", &bar.name);
+        for (index, member) in self.members.iter().enumerate() {
+            if !all.iter().any(|there| there.members[index]) {
+                let kind = member.kind.words();
+                return never(kind.words[0], Subject::Member(kind, member.name.clone()));
             }
         }
         if let Some(step) = all.iter().position(|there| !there.bodies.contains(&true)) {

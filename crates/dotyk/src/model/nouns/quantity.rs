@@ -5,7 +5,7 @@
 //!   BODY.rotation.z       CONTACT.pressure        CONTACT.shear.x
 //!   CONTACT.resultant.x   CONTACT.length          CONTACT.dissipated_work
 //!   SECTION.N             SECTION.M               SECTION.utilisation
-//!   BAR.force
+//!   MEMBER.force
 //! ```
 //!
 //! A new quantity is a variant with its word here, and its value in `probe.rs`.
@@ -14,7 +14,10 @@ use crate::fem::Body;
 use crate::geometry::{Point, norm};
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::field::{FieldKind, Shape};
+use crate::model::nouns::member::MemberWords;
+use crate::model::nouns::members::{Member, MemberKind};
 use crate::model::nouns::section::SectionQuantity;
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
 
@@ -54,8 +57,8 @@ pub(crate) enum Parts {
     Obstacle(usize, Component),
     /// A quantity that varies along a section; a field of its stations.
     Section(usize, SectionQuantity),
-    /// Force of a bar; a field of its stations, and alone the one of the largest magnitude.
-    Bar(usize),
+    /// Force of a member; a field of its stations, and alone the one of the largest magnitude.
+    Member(usize),
 }
 
 /// A component of a vector, or its length.
@@ -144,7 +147,7 @@ const TENSOR: [(&str, usize); 6] = [
 /// Those of principal values.
 const PRINCIPAL: [(&str, usize); 3] = [("s1", 0), ("s2", 1), ("s3", 2)];
 
-/// The force of a bar.
+/// The force of a member.
 const FORCE: &str = "force";
 
 /// The displacement of the rigid obstacle of a contact.
@@ -201,10 +204,10 @@ pub struct QuantityError {
 }
 
 /// A mistake in a word of a quantity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Mistake {
     /// It should be one of these.
-    Unknown(&'static str),
+    Unknown(Cow<'static, str>),
     /// The quantity ends after it.
     Incomplete,
     /// The quantity goes on after it.
@@ -218,7 +221,7 @@ pub enum Mistake {
 impl fmt::Display for QuantityError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let word = &self.word;
-        match self.mistake {
+        match &self.mistake {
             Mistake::Unknown(what) => write!(f, "unknown {what} `{word}`"),
             Mistake::Incomplete => write!(f, "the quantity ends after `{word}`"),
             Mistake::NoStrength => write!(
@@ -237,44 +240,47 @@ impl fmt::Display for QuantityError {
 impl std::error::Error for QuantityError {}
 
 impl Quantity {
-    /// The quantity that a text names, of these bodies, and of contacts, sections and bars with these distinct names.
+    /// The quantity that a text names, of these bodies, of contacts and sections with these names, and of these members; all names are distinct.
     ///
     /// Errors: the wrong word, and the words known in its place.
     pub fn parse<const D: usize>(
         text: &str,
         bodies: &[Body<D>],
-        [contacts, sections, bars]: [&[&str]; 3],
+        [contacts, sections]: [&[&str]; 2],
+        members: &[Member<D>],
     ) -> Result<Self, QuantityError> {
         let words = Words(text.split('.').collect());
         let owner = words.0[0];
         let among = |names: &[&str]| names.iter().position(|name| *name == owner);
         let body = bodies.iter().position(|body| body.name == owner);
-        let parts = match (body, among(contacts), among(sections), among(bars)) {
+        let member = members.iter().position(|member| member.name == owner);
+        let parts = match (body, among(contacts), among(sections), member) {
             (Some(body), ..) => of_body(&words, body, &bodies[body])?,
             (_, Some(contact), ..) => of_contact::<D>(&words, contact)?,
             (.., Some(section), _) => of_section(&words, section)?,
-            (.., Some(bar)) => of_bar(&words, bar)?,
+            (.., Some(member)) => of_member(&words, member, members[member].kind.words())?,
             (None, None, None, None) => {
                 let bodies = bodies.iter().map(|body| body.name.as_str());
-                let others = contacts.iter().chain(sections).chain(bars);
-                let what = match (sections, bars) {
-                    ([], []) => "body or contact",
-                    (_, []) => "body, contact or section",
-                    ([], _) => "body, contact or bar",
-                    _ => "body, contact, section or bar",
-                };
-                let owners = bodies.chain(others.copied());
-                return Err(words.mistake(Mistake::Unknown(what), 0, owners));
+                let others = contacts.iter().chain(sections).copied();
+                let others = others.chain(members.iter().map(|member| member.name.as_str()));
+                let has = |kind: &&MemberWords| members.iter().any(|m| m.kind.words() == **kind);
+                let kinds = MemberKind::ALL.iter().filter(has);
+                let section = (!sections.is_empty()).then_some("section");
+                let more = section.into_iter().chain(kinds.map(|kind| kind.words[0]));
+                let what: Vec<&str> = ["body", "contact"].into_iter().chain(more).collect();
+                let (last, before) = what.split_last().unwrap_or((&"", &[]));
+                let what = format!("{} or {last}", before.join(", "));
+                return Err(words.mistake(Mistake::Unknown(what.into()), 0, bodies.chain(others)));
             }
         };
         let text = text.to_string();
         Ok(Self { text, parts })
     }
 
-    /// The same with other indices of bodies, contacts, sections and bars; `None` where its part has no index.
+    /// The same with other indices of bodies, contacts, sections and members; `None` where its part has no index.
     pub(crate) fn placed(
         &self,
-        [bodies, contacts, sections, bars]: [&[Option<usize>]; 4],
+        [bodies, contacts, sections, members]: [&[Option<usize>]; 4],
     ) -> Option<Self> {
         let mut parts = self.parts.clone();
         match &mut parts {
@@ -291,7 +297,7 @@ impl Quantity {
             | Parts::Dissipated(contact, _)
             | Parts::Obstacle(contact, _) => *contact = contacts[*contact]?,
             Parts::Section(section, _) => *section = sections[*section]?,
-            Parts::Bar(bar) => *bar = bars[*bar]?,
+            Parts::Member(member) => *member = members[*member]?,
         }
         let text = self.text.clone();
         Some(Self { text, parts })
@@ -300,7 +306,7 @@ impl Quantity {
     /// Its physical dimension.
     pub fn dimension(&self) -> Dimension {
         match self.parts {
-            Parts::Reaction(..) | Parts::Resultant(..) | Parts::Bar(_) => Dimension::Force,
+            Parts::Reaction(..) | Parts::Resultant(..) | Parts::Member(_) => Dimension::Force,
             Parts::Stress(..) | Parts::Along(_, Pressure | Shear | ShearVector(_)) => {
                 Dimension::Stress
             }
@@ -319,7 +325,7 @@ impl Quantity {
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Along, Bar, Displacement, Field, Rotation, Section, Stress, Utilisation};
+        use Parts::{Along, Displacement, Field, Member, Rotation, Section, Stress, Utilisation};
         matches!(
             self.parts,
             Displacement(..)
@@ -329,7 +335,7 @@ impl Quantity {
                 | Field(..)
                 | Along(..)
                 | Section(..)
-                | Bar(_)
+                | Member(_)
         )
     }
 
@@ -364,14 +370,14 @@ impl Quantity {
         matches!(self.parts, Parts::Along(..))
     }
 
-    /// It is known only at the stations of a section or of a bar.
+    /// It is known only at the stations of a section or of a member.
     pub fn is_of_stations(&self) -> bool {
-        matches!(self.parts, Parts::Section(..) | Parts::Bar(_))
+        matches!(self.parts, Parts::Section(..) | Parts::Member(_))
     }
 
-    /// It is the force of a bar.
-    pub fn is_of_bar(&self) -> bool {
-        matches!(self.parts, Parts::Bar(_))
+    /// It is the force of a member.
+    pub fn is_of_member(&self) -> bool {
+        matches!(self.parts, Parts::Member(_))
     }
 
     /// The section whose utilisation it is.
@@ -465,7 +471,11 @@ fn of_body<const D: usize>(
             let mut kinds = FieldKind::<D>::ALL.iter();
             match kinds.position(|kind| kind.plain && kind.name == word) {
                 Some(field) => of_field(words, (index, body), field),
-                None => Err(words.mistake(Mistake::Unknown("quantity of a body"), 1, quantities())),
+                None => Err(words.mistake(
+                    Mistake::Unknown("quantity of a body".into()),
+                    1,
+                    quantities(),
+                )),
             }
         }
     }
@@ -553,14 +563,23 @@ fn of_contact<const D: usize>(words: &Words<'_>, contact: usize) -> Result<Parts
             let field = find(&FIELDS, word).map(|field| Parts::Along(contact, field));
             let length = || find(&LENGTHS, word).map(|what| Parts::Length(contact, what));
             let work = || find(&WORKS, word).map(|since| Parts::Dissipated(contact, since));
-            let unknown =
-                || words.mistake(Mistake::Unknown("quantity of a contact"), 1, quantities());
+            let unknown = || {
+                words.mistake(
+                    Mistake::Unknown("quantity of a contact".into()),
+                    1,
+                    quantities(),
+                )
+            };
             field.or_else(length).or_else(work).ok_or_else(unknown)
         }
         [word, ..] if quantities().any(|name| name == word) => {
             Err(words.mistake(Mistake::TooLong, 1, []))
         }
-        _ => Err(words.mistake(Mistake::Unknown("quantity of a contact"), 1, quantities())),
+        _ => Err(words.mistake(
+            Mistake::Unknown("quantity of a contact".into()),
+            1,
+            quantities(),
+        )),
     }
 }
 
@@ -576,12 +595,15 @@ fn of_section(words: &Words<'_>, section: usize) -> Result<Parts, QuantityError>
     }
 }
 
-fn of_bar(words: &Words<'_>, bar: usize) -> Result<Parts, QuantityError> {
+fn of_member(words: &Words<'_>, member: usize, kind: MemberWords) -> Result<Parts, QuantityError> {
     match words.0[1..] {
         [] => Err(words.incomplete([FORCE])),
-        [FORCE] => Ok(Parts::Bar(bar)),
+        [FORCE] => Ok(Parts::Member(member)),
         [FORCE, ..] => Err(words.mistake(Mistake::TooLong, 1, [])),
-        _ => Err(words.mistake(Mistake::Unknown("quantity of a bar"), 1, [FORCE])),
+        _ => {
+            let what = format!("quantity of a {}", kind.words[0]);
+            Err(words.mistake(Mistake::Unknown(what.into()), 1, [FORCE]))
+        }
     }
 }
 
@@ -607,7 +629,7 @@ impl Words<'_> {
         table: &[(&str, T)],
     ) -> Result<T, QuantityError> {
         let found = find(table, self.0[at]);
-        found.ok_or_else(|| self.mistake(Mistake::Unknown(what), at, names(table)))
+        found.ok_or_else(|| self.mistake(Mistake::Unknown(what.into()), at, names(table)))
     }
 
     fn incomplete<'k>(&self, next: impl IntoIterator<Item = &'k str>) -> QuantityError {

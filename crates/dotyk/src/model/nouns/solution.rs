@@ -3,10 +3,11 @@
 use crate::dual::Certificate;
 use crate::fem::{Borders, CoupleKind, list_motions, principal};
 use crate::geometry::{Point, add_scaled, norm};
-use crate::model::nouns::bar::BarSolution;
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::intrusion::Intrusion;
+use crate::model::nouns::member::{MemberSolution, MemberWords};
+use crate::model::nouns::members::by_kind;
 use crate::model::nouns::section::SectionSolution;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -219,11 +220,11 @@ pub struct BodySolution<const D: usize> {
     pub von_mises: Vec<f64>,
     /// Force of its supports and springs ON the body at every node (zero where not held).
     pub reactions: Vec<Point<D>>,
-    /// Force of all contacts and couples ON the body at every node. With loads, reactions and the forces of bars it balances the
+    /// Force of all contacts and couples ON the body at every node. With loads, reactions and the forces of members it balances the
     /// internal forces.
     pub contact_forces: Vec<Point<D>>,
-    /// Forces of bars ON the body, by node.
-    pub bar_forces: BTreeMap<usize, Point<D>>,
+    /// Forces of members ON the body, by node.
+    pub member_forces: BTreeMap<usize, Point<D>>,
     /// Reactions by the side that is held or bedded.
     pub side_reactions: BTreeMap<String, Point<D>>,
     /// Reactions of the supports of larger sides at the nodes of sides that are parts of them.
@@ -462,8 +463,8 @@ pub struct Solution<const D: usize> {
     pub bodies: Vec<BodySolution<D>>,
     /// One per contact of the model, in its order.
     pub contacts: Vec<ContactSolution<D>>,
-    /// One per bar of the model, in its order.
-    pub bars: Vec<BarSolution<D>>,
+    /// One per member of the model, in its order.
+    pub members: Vec<MemberSolution<D>>,
     /// One per section of the model, in its order.
     pub sections: Vec<SectionSolution>,
     /// The figures of the answer, with their limits.
@@ -492,6 +493,16 @@ impl<const D: usize> Solution<D> {
     /// The contact of this name; `None` where it was not there.
     pub fn contact(&self, name: &str) -> Option<&ContactSolution<D>> {
         self.contacts.iter().find(|contact| contact.name == name)
+    }
+
+    /// The member of this name; `None` where it was not there.
+    pub fn member(&self, name: &str) -> Option<&MemberSolution<D>> {
+        self.members.iter().find(|member| member.name == name)
+    }
+
+    /// The members of each kind that was there, in the order of all kinds.
+    pub fn members_by_kind(&self) -> impl Iterator<Item = (MemberWords, Vec<&MemberSolution<D>>)> {
+        by_kind(&self.members, |member| member.kind)
     }
 
     /// Value of the probe of this name.

@@ -7,6 +7,7 @@ use crate::model::nouns::solution::CoupleSolution;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Source, row_ranges};
 use crate::model::system::displaced::Displaced;
+use crate::model::system::parts::Owner;
 
 /// Solutions of the couples of every body under forces `lambda` (m,), (bodies,).
 pub(crate) fn couple_solutions<const D: usize>(
@@ -17,7 +18,8 @@ pub(crate) fn couple_solutions<const D: usize>(
 ) -> Vec<Vec<CoupleSolution<D>>> {
     let mut solutions = vec![Vec::new(); model.bodies.len()];
     for (rows, condition) in row_ranges(&condensed.conditions) {
-        let (Source::Couple(body, place, _), Some(part)) = (condition.source, condition.opposite)
+        let (Source::Of(Owner::Point(body, place)), Some(part)) =
+            (condition.source, condition.opposite)
         else {
             continue;
         };

@@ -16,6 +16,7 @@ use crate::model::system::bodies::LoadedBody;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Condition, Source, contact_rows, row_ranges};
 use crate::model::system::displaced::{Displaced, moved};
+use crate::model::system::parts::Owner;
 use crate::model::system::recover::BodyState;
 use crate::model::system::shared::share_out;
 use crate::solve::{Shear, State};
@@ -81,7 +82,7 @@ fn body_solution<const D: usize>(
     (model, time): (&Model<D>, f64),
     (body, factored, before): (&Body<D>, &LoadedBody<D>, Option<Arc<Yielded>>),
     mut state: BodyState<D>,
-    (couples, bar_forces): (Vec<CoupleSolution<D>>, BTreeMap<usize, Point<D>>),
+    (couples, member_forces): (Vec<CoupleSolution<D>>, BTreeMap<usize, Point<D>>),
 ) -> Result<BodySolution<D>, Error<D>> {
     let fail = |source| Error::in_body(body, source);
     let yielded = factored.system.history.yielded.as_deref();
@@ -119,7 +120,7 @@ fn body_solution<const D: usize>(
     }
     Ok(BodySolution {
         name: body.name.clone(),
-        bar_forces,
+        member_forces,
         borders,
         von_mises: stress.iter().map(|&s| von_mises(s)).collect(),
         stress,
@@ -185,7 +186,7 @@ fn yielding<const D: usize>(
     }))
 }
 
-/// Moves forces of beds that only press from the contact forces to those of springs, where they belong, and the forces of bars from
+/// Moves forces of beds that only press from the contact forces to those of springs, where they belong, and the forces of members from
 /// there to the result: forces by node ON each body.
 fn link_forces<const D: usize>(
     model: &Model<D>,
@@ -194,7 +195,7 @@ fn link_forces<const D: usize>(
     states: &mut [BodyState<D>],
 ) -> Vec<BTreeMap<usize, Point<D>>> {
     let count = states.len();
-    let mut of_bars = vec![BTreeMap::new(); model.bodies.len()];
+    let mut of_members = vec![BTreeMap::new(); model.bodies.len()];
     for (rows, condition) in row_ranges(conditions) {
         for (body, rows_on) in condition.ends().filter(|(part, _)| *part < count) {
             // the contact forces already contain those of the problem
@@ -215,18 +216,25 @@ fn link_forces<const D: usize>(
                 let state = &mut states[body];
                 state.contact_forces[node] = add_scaled(state.contact_forces[node], -1.0, force);
                 let sum = match condition.source {
-                    Source::Bed(_, spring) => &mut state.springs[spring][node],
-                    _ => of_bars[body].entry(node).or_insert([0.0; D]),
+                    Source::Of(Owner::Bed(_, spring)) => &mut state.springs[spring][node],
+                    Source::Of(Owner::Member(_)) => {
+                        of_members[body].entry(node).or_insert([0.0; D])
+                    }
+                    // these have no elastic part
+                    Source::Contact(_)
+                    | Source::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..)) => {
+                        continue;
+                    }
                 };
                 *sum = add_scaled(*sum, 1.0, force);
             }
         }
         for &(body, node, force) in &condition.steady {
-            let sum = of_bars[body].entry(node).or_insert([0.0; D]);
+            let sum = of_members[body].entry(node).or_insert([0.0; D]);
             *sum = add_scaled(*sum, 1.0, force);
         }
     }
-    of_bars
+    of_members
 }
 
 /// Reactions by the side whose support holds the direction; shared directions are split evenly.

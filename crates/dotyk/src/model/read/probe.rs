@@ -10,10 +10,10 @@ use crate::fem::{
 };
 use crate::geometry::{Point, add_scaled, centroid, cross, distance, dot, norm, padded, sub};
 use crate::mesh::{Facet, Located, Mesh, locate, locate_all, locate_on_side};
-use crate::model::nouns::bar::BarSolution;
 use crate::model::nouns::error::{Error, ProbeError};
 use crate::model::nouns::field::FieldKind;
 use crate::model::nouns::ids::{BodyId, SideRef};
+use crate::model::nouns::member::MemberSolution;
 use crate::model::nouns::model::{Along, Analysis, Model, Probe, Reading};
 use crate::model::nouns::quantity::{ContactField, Parts, Since, Stress, Touching};
 use crate::model::nouns::section::{SectionQuantity, SectionSolution};
@@ -134,8 +134,8 @@ fn site<const D: usize>(
         | Parts::Length(..)
         | Parts::Dissipated(..)
         | Parts::Obstacle(..) => return Ok(nowhere),
-        Parts::Section(..) | Parts::Bar(_) => match (&probe.along, probe.reading) {
-            (None, Reading::Whole) if !probe.quantity.is_of_bar() => {
+        Parts::Section(..) | Parts::Member(_) => match (&probe.along, probe.reading) {
+            (None, Reading::Whole) if !probe.quantity.is_of_member() => {
                 return Err(ProbeError::NoPlace);
             }
             (Some(_), _) | (_, Reading::MeanOfNeighbours(_) | Reading::Coupled(_)) => {
@@ -200,8 +200,8 @@ fn read<const D: usize>(
     if let Parts::Section(of, field) = probe.quantity.parts {
         return Ok(along_section(&solution.sections[of], field, probe.reading));
     }
-    if let Parts::Bar(of) = probe.quantity.parts {
-        return Ok(along_bar(&solution.bars[of], probe.reading));
+    if let Parts::Member(of) = probe.quantity.parts {
+        return Ok(along_member(&solution.members[of], probe.reading));
     }
     let field = match field(model, solution, probe) {
         Quantified::Number(number) => return Ok(number.into()),
@@ -301,16 +301,16 @@ fn along_section<const D: usize>(
     at_stations(all, reading)
 }
 
-/// The force of a bar, read at its stations; alone it is the one of the largest magnitude.
-fn along_bar<const D: usize>(bar: &BarSolution<D>, reading: Reading<D>) -> Read<D> {
+/// The force of a member, read at its stations; alone it is the one of the largest magnitude.
+fn along_member<const D: usize>(member: &MemberSolution<D>, reading: Reading<D>) -> Read<D> {
     if reading == Reading::Whole {
-        let largest = bar.largest();
+        let largest = member.largest();
         return Read {
             at: largest.map(|station| station.point),
             ..largest.map_or(f64::NAN, |station| station.force).into()
         };
     }
-    let stations = bar.stations.iter();
+    let stations = member.stations.iter();
     at_stations(stations.map(|at| (at.point, at.length, at.force)), reading)
 }
 
@@ -418,7 +418,7 @@ fn field<'a, const D: usize>(
             let moved = solution.contacts[of].obstacle;
             number(moved.map_or(f64::NAN, |u| component.of(u)))
         }
-        Parts::Section(..) | Parts::Bar(_) => number(f64::NAN),
+        Parts::Section(..) | Parts::Member(_) => number(f64::NAN),
         Parts::Rotation(of, axis) => number(rotation(body(of).1, probe.reading, axis)),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);

@@ -10,7 +10,7 @@ use crate::model::nouns::section::{Section, SectionError, SectionSolution, Stati
 use crate::model::nouns::solution::BodySolution;
 use crate::model::read::fields::support_forces;
 use crate::model::system::condense::Condensed;
-use crate::model::system::condition::{Source, row_ranges};
+use crate::model::system::condition::row_ranges;
 use crate::model::system::displaced::Displaced;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
@@ -179,7 +179,7 @@ pub(crate) fn pushes<const D: usize>(
         }
         let mut others: BTreeMap<usize, Push<D>> = BTreeMap::new();
         for (place, (rows, condition)) in row_ranges(conditions).enumerate() {
-            if matches!(condition.source, Source::Bar(_)) {
+            if condition.source.member().is_some() {
                 continue;
             }
             let forces = condition.forces(&lambda[rows]);
@@ -221,7 +221,7 @@ pub(crate) fn section_forces<const D: usize>(
             (body, history, model.analysis),
             condensed.time,
             &solution.displacement,
-            (pushes, &solution.bar_forces),
+            (pushes, &solution.member_forces),
         );
         let ahead = ahead.map_err(|source| Error::in_body(body, source))?;
         let stations = laid.cuts.iter().enumerate().map(|(k, cut)| {

@@ -8,6 +8,7 @@ use crate::mesh::CellKind;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::{Contact, Law, Model};
 use crate::model::system::condition::{Condition, Source};
+use crate::model::system::parts::Owner;
 use crate::model::system::shared::coefficients;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -117,7 +118,7 @@ pub(crate) fn neighbours<const D: usize>(
             carriers.map(|(k, n)| (n.node, first + k))
         };
         let block: BTreeMap<usize, usize> = carriers().collect();
-        if matches!(condition.source, Source::Bed(..)) {
+        if matches!(condition.source, Source::Of(Owner::Bed(..))) {
             // the points of a bed that are nearest to one node
             let both = carriers().map(|(node, k)| [block[&node].min(k), block[&node].max(k)]);
             pairs.extend(both.filter(|[a, b]| a != b));
@@ -126,7 +127,7 @@ pub(crate) fn neighbours<const D: usize>(
         first += condition.interface.carriers().count();
         let mesh = &model.bodies[condition.nonmortar.body.0].mesh;
         // the rows of an average couple stand for the whole side
-        let nodal = !matches!(condition.source, Source::Couple(.., CoupleKind::Average));
+        let nodal = condition.source.couple(model) != Some(CoupleKind::Average);
         let facets = mesh.side(&condition.nonmortar.side).filter(|_| nodal);
         for &facet in facets.unwrap_or_default() {
             let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();

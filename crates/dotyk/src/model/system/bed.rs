@@ -24,6 +24,7 @@ use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::Model;
 use crate::model::system::condition::{Condition, Elastic, Source};
 use crate::model::system::links::{axis, carrier, less, linked};
+use crate::model::system::parts::Owner;
 
 /// The condition of a bed, from its body, the index of its spring, and its part.
 ///
@@ -65,7 +66,7 @@ pub(crate) fn bedded<const D: usize>(
     Ok(Condition {
         law: Some(Block::Unilateral),
         ..linked(
-            (Source::Bed(of, place), name),
+            (Source::Of(Owner::Bed(of, place)), name),
             (nonmortar, part),
             interface,
             elastic,

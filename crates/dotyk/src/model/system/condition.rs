@@ -4,7 +4,7 @@
 //!   gap = g₀ − Σ B_part u_part,        λ = offset + μ,  μ ∈ Λ of its law
 //! ```
 //!
-//! Contacts (`contact.rs`), couples (`couple.rs`), and beds and bars (`links.rs`) are made in files of their own; all later code
+//! Contacts (`contact.rs`), couples (`couple.rs`), and beds and members (`links.rs`) are made in files of their own; all later code
 //! uses rows, gaps and laws only, and needs the source just to report results.
 
 use crate::contact::{Interface, InterfaceNode, Role, Row, Sample};
@@ -14,6 +14,7 @@ use crate::geometry::{Field, Point, add_scaled, dot, sub};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::*;
+use crate::model::system::parts::Owner;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -22,24 +23,37 @@ use std::sync::Arc;
 /// The source of a condition, by places in the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
-    /// Of a contact.
+    /// A contact.
     Contact(usize),
-    /// Of a couple of a body: a side moves with a point.
-    Couple(usize, usize, CoupleKind),
-    /// Of a spring of a body that only presses.
-    Bed(usize, usize),
-    /// Of a bar.
-    Bar(usize),
+    /// What has a part of its own: a couple, by its point, a bed or a member.
+    Of(Owner),
 }
 
 impl Source {
     /// Its kind, in a word.
-    pub fn kind(self) -> &'static str {
+    pub fn kind<const D: usize>(self, model: &Model<D>) -> &'static str {
         match self {
             Self::Contact(_) => "contact",
-            Self::Couple(..) => "couple",
-            Self::Bed(..) => "bed",
-            Self::Bar(_) => "bar",
+            Self::Of(owner) => owner.kind(model),
+        }
+    }
+
+    /// The kind of its couple.
+    pub fn couple<const D: usize>(self, model: &Model<D>) -> Option<CoupleKind> {
+        match self {
+            Self::Of(Owner::Point(of, place)) => Some(model.bodies[of].couples[place].kind),
+            _ => None,
+        }
+    }
+
+    /// The place of its member, whose forces are told apart from those of contacts.
+    pub fn member(self) -> Option<usize> {
+        match self {
+            Self::Of(Owner::Member(place)) => Some(place),
+            Self::Contact(_)
+            | Self::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..) | Owner::Bed(..)) => {
+                None
+            }
         }
     }
 }
@@ -62,11 +76,11 @@ pub(crate) struct Condition<const D: usize> {
     pub interface: Interface<D>,
     /// The block of each of its nodes; `None`: any force. For contacts it follows from their law at a time (`admissible.rs`).
     pub law: Option<Block>,
-    /// Offsets of the forces of the problem: minus the tensile strength of a whole joint, the middle of the force range of a bar.
+    /// Offsets of the forces of the problem: minus the tensile strength of a whole joint, the middle of the force range of a member.
     pub offset: Vec<f64>,
     /// B u_a (m of the condition,), the displacements in the rows of a link when it came; empty for others.
     pub came_with: Vec<f64>,
-    /// Forces at nodes of bodies besides those of rows, while a bar is tightened: body, node, force.
+    /// Forces at nodes of bodies besides those of rows, while a member is tightened: body, node, force.
     pub steady: Vec<(usize, usize, Point<D>)>,
     /// Its elastic part.
     pub elastic: Option<Elastic<D>>,
@@ -200,12 +214,12 @@ impl<const D: usize> Condition<D> {
     }
 
     /// Its name in messages.
-    pub fn called(&self) -> String {
-        let kind = match self.source {
-            Source::Couple(.., CoupleKind::Rigid) => "rigid couple",
-            Source::Couple(.., CoupleKind::Average) => "average couple",
-            Source::Bed(..) => return self.name.clone(),
-            Source::Contact(_) | Source::Bar(_) => self.source.kind(),
+    pub fn called(&self, model: &Model<D>) -> String {
+        let kind = match (self.source, self.source.couple(model)) {
+            (_, Some(CoupleKind::Rigid)) => "rigid couple",
+            (_, Some(CoupleKind::Average)) => "average couple",
+            (Source::Of(Owner::Bed(..)), None) => return self.name.clone(),
+            (source, None) => source.kind(model),
         };
         format!("{kind} \"{}\"", self.name)
     }

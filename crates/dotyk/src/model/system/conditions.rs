@@ -4,18 +4,18 @@ use crate::fem::Constraints;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
-use crate::model::system::bar::barred;
 use crate::model::system::bed::bedded;
 use crate::model::system::condition::{Condition, Source};
 use crate::model::system::contact::{contact_gaps, touching};
 use crate::model::system::couple::{check_held, coupling};
-use crate::model::system::laid::lay_bars;
+use crate::model::system::laid::lay_members;
+use crate::model::system::member::pulling;
 use crate::model::system::parts::{Owner, Parts};
 use rayon::prelude::*;
 
 /// The conditions of a stage, with the gaps at a time.
 ///
-/// Errors: sides that cannot be paired; bars that cannot be laid.
+/// Errors: sides that cannot be paired; members that cannot be laid.
 pub(crate) fn all_conditions<const D: usize>(
     stage: &Stage<'_, D>,
     constraints: &[&Constraints<D>],
@@ -26,14 +26,14 @@ pub(crate) fn all_conditions<const D: usize>(
     let contacts = (0..model.contacts.len()).into_par_iter();
     let contacts = contacts.map(|index| touching((model, &parts), constraints, index, time));
     let mut conditions = contacts.collect::<Result<Vec<_>, _>>()?;
-    let laid = lay_bars(model)?;
+    let laid = lay_members(model)?;
     for (part, owner) in parts.iter() {
         conditions.push(match owner {
             // these parts belong to contacts
             Owner::Body(_) | Owner::Obstacle(_) => continue,
             Owner::Point(of, place) => coupling(model, constraints[of], ((of, place), part), time)?,
             Owner::Bed(of, place) => bedded(model, (of, place), part)?,
-            Owner::Bar(place) => barred(stage, (place, &laid[place]), part),
+            Owner::Member(place) => pulling(stage, (place, &laid[place]), part),
         });
     }
     Ok(conditions)
@@ -50,14 +50,16 @@ pub(crate) fn take_gaps<const D: usize>(
 ) -> Result<(), Error<D>> {
     let take = |condition: &mut Condition<D>| match condition.source {
         Source::Contact(index) => contact_gaps(model, constraints, (index, condition), time),
-        Source::Couple(of, place, _) => check_held(
+        Source::Of(Owner::Point(of, place)) => check_held(
             model,
             constraints[of],
             (of, place),
             &condition.interface,
             time,
         ),
-        Source::Bed(..) | Source::Bar(_) => Ok(()),
+        Source::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Bed(..) | Owner::Member(_)) => {
+            Ok(())
+        }
     };
     let taken: Vec<_> = conditions.par_iter_mut().map(take).collect();
     // of several errors the first one, whatever thread was faster

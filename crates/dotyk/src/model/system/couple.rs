@@ -7,6 +7,7 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::*;
 use crate::model::system::condition::{Condition, Source};
+use crate::model::system::parts::Owner;
 
 /// The condition of a couple, from its body and its place there, and its point, which is a part; the constraints are those of a time.
 ///
@@ -33,7 +34,7 @@ pub(crate) fn coupling<const D: usize>(
         side: couple.side.clone(),
     };
     let name = format!("{}.{}", body.name, couple.name);
-    let source = Source::Couple(of, place, couple.kind);
+    let source = Source::Of(Owner::Point(of, place));
     Ok(Condition {
         opposite: Some(part),
         ..Condition::new(source, name, side, interface)

@@ -17,7 +17,7 @@ use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
 use crate::linalg::{Mat, pivoted_cholesky};
 use crate::model::nouns::model::{Law, Model};
 use crate::model::system::bodies::LoadedBody;
-use crate::model::system::condition::{Condition, Source, gap_varies, row_ranges};
+use crate::model::system::condition::{Condition, gap_varies, row_ranges};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A row is dependent when less than this part of its square is its own.
@@ -72,7 +72,7 @@ pub(crate) fn drop_implied<const D: usize>(
         };
         format!(
             "{}: the condition of {nodes} follows from supports and other contacts; it is dropped, and {undefined}",
-            condition.called()
+            condition.called(model)
         )
     };
     dropped.into_iter().map(drop).collect()
@@ -150,7 +150,7 @@ pub(crate) fn shared_forces<const D: usize>(
     };
     Some(format!(
         "{}: at {} {bear}; how they share it is not unique",
-        conditions[contact].called(),
+        conditions[contact].called(model),
         describe(model, &conditions[contact], &own)
     ))
 }
@@ -377,7 +377,7 @@ const NAMED: usize = 4;
 /// The nodes of some rows of a contact, in words.
 fn describe<const D: usize>(model: &Model<D>, condition: &Condition<D>, rows: &[usize]) -> String {
     let body = &model.bodies[condition.nonmortar.body.0];
-    if matches!(condition.source, Source::Couple(.., CoupleKind::Average)) {
+    if condition.source.couple(model) == Some(CoupleKind::Average) {
         return format!("side {}.{}", body.name, condition.nonmortar.side);
     }
     let rows: BTreeSet<usize> = rows.iter().copied().collect();

@@ -1,4 +1,4 @@
-//! Driving terms of bodies and conditions at a time: loads, prescribed values, gaps, and the offset forces of joints and bars.
+//! Driving terms of bodies and conditions at a time: loads, prescribed values, gaps, and the offset forces of joints and members.
 
 use crate::fem::{BodySystem, Constraints, Part};
 use crate::geometry::norm;
@@ -56,7 +56,7 @@ pub(crate) fn driven<const D: usize>(
 }
 
 /// Completes the systems of bodies and rigid parts by those of links, gives common nodes of contacts one multiplier, drops conditions
-/// implied by others, and adds the offset forces of joints and bars to the loads, at a time; `before` gives the lost nodes of joints by
+/// implied by others, and adds the offset forces of joints and members to the loads, at a time; `before` gives the lost nodes of joints by
 /// the names of contacts. Returns warnings about dropped conditions.
 ///
 /// Errors: those of [`set_offsets`].

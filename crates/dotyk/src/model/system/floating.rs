@@ -61,7 +61,7 @@ impl Floating {
             let rows = b.rows.index.iter().enumerate().map(|(local, &row)| {
                 let parts = || b.rows.matrix.row(local);
                 let sum: f64 = parts().map(|(dof, value)| value * motion[dof]).sum();
-                // a bar within a body does not hold it: the sum of its terms is rounding
+                // a member within a body does not hold it: the sum of its terms is rounding
                 let size: f64 = parts().map(|(_, value)| value.abs()).sum();
                 (
                     row,

@@ -11,7 +11,6 @@
 
 use crate::fem::{Elastic, Material, Spring, Support};
 use crate::geometry::Field;
-use crate::model::nouns::bar::Bar;
 use crate::model::nouns::model::{
     Body, Contact, Couple, Gap, Law, Model, Motion, Obstacle, Pair, Rigid,
 };
@@ -31,7 +30,7 @@ pub(crate) fn same_conditions<const D: usize>(a: &Model<D>, b: &Model<D>) -> boo
         analysis,
         bodies,
         contacts,
-        bars,
+        members,
         // driving terms, solver, probes and names
         times: _,
         step_names: _,
@@ -51,7 +50,7 @@ pub(crate) fn same_conditions<const D: usize>(a: &Model<D>, b: &Model<D>) -> boo
     *analysis == b.analysis
         && all(bodies, &b.bodies, body)
         && all(contacts, &b.contacts, same_contact)
-        && all(bars, &b.bars, same_bar)
+        && *members == b.members
 }
 
 /// Whether two bodies under the same analysis have the same stiffness and are held in the same directions.
@@ -130,27 +129,6 @@ fn same_couple<const D: usize>(a: &Couple<D>, b: &Couple<D>) -> bool {
     };
     (name, point, side, kind) == (&b.name, &b.point, &b.side, &b.kind)
         && held(displacement, rotation) == held(&b.displacement, &b.rotation)
-}
-
-fn same_bar<const D: usize>(a: &Bar<D>, b: &Bar<D>) -> bool {
-    let Bar {
-        name,
-        ends,
-        bodies,
-        bond,
-        young,
-        area,
-        prestress,
-        spacing,
-        tension_only,
-        yields,
-        radius,
-        active,
-    } = a;
-    (name, ends, bodies, bond, radius, active)
-        == (&b.name, &b.ends, &b.bodies, &b.bond, &b.radius, &b.active)
-        && (young, area, prestress, spacing) == (&b.young, &b.area, &b.prestress, &b.spacing)
-        && (tension_only, yields) == (&b.tension_only, &b.yields)
 }
 
 fn same_contact<const D: usize>(a: &Contact<D>, b: &Contact<D>) -> bool {

@@ -1,16 +1,17 @@
-//! Positions of bars (`nouns/bar.rs`): their points, and how these move with the bodies.
+//! Positions of members (`nouns/member.rs`): their points, and how these move with the bodies.
 
 use crate::fem::{Analysis, completed, side_points};
 use crate::geometry::{Point, add_scaled, distance, dot, sub};
 use crate::mesh::{Located, locate_all};
-use crate::model::nouns::bar::{Bar, BarEnd, BarError, Bond};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
+use crate::model::nouns::member::{Bond, MemberEnd, MemberError};
+use crate::model::nouns::members::Member;
 use crate::model::nouns::model::Model;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// A point of a bar: how it moves with its body.
+/// A point of a member: how it moves with its body.
 #[derive(Debug, Clone)]
 pub(crate) struct Anchor<const D: usize> {
     pub body: usize,
@@ -19,86 +20,102 @@ pub(crate) struct Anchor<const D: usize> {
     pub point: Point<D>,
 }
 
-/// A bar in its place.
+/// A member in its place.
 #[derive(Debug, Clone)]
-pub(crate) struct LaidBar<const D: usize> {
+pub(crate) struct LaidMember<const D: usize> {
     pub anchors: Vec<Anchor<D>>,
     /// Unit vector from its beginning to its end.
     pub along: Point<D>,
-    /// Bars in the thickness of the model.
+    /// Members in the thickness of the model.
     pub count: f64,
 }
 
-impl<const D: usize> LaidBar<D> {
+impl<const D: usize> LaidMember<D> {
     /// Elements: their two points.
     pub fn elements(&self) -> impl Iterator<Item = [&Anchor<D>; 2]> {
         self.anchors.windows(2).map(|pair| [&pair[0], &pair[1]])
     }
 
-    /// Length from the beginning to a point of the bar.
+    /// Length from the beginning to a point of the member.
     pub fn length_to(&self, point: Point<D>) -> f64 {
         dot(sub(point, self.anchors[0].point), self.along)
     }
 }
 
-/// Elements in each cell that a grouted bar crosses, for cells of first and second order. In a cell of second order straight elements
-/// replace a parabola, and n of them miss its energy by 1/n². Then the fewest and the most elements of a bar.
+/// Elements in each cell that a grouted member crosses, for cells of first and second order. In a cell of second order straight elements
+/// replace a parabola, and n of them miss its energy by 1/n². Then the fewest and the most elements of a member.
 const IN_CELL: [usize; 2] = [2, 4];
 const FEWEST: usize = 8;
 const MOST: usize = 1000;
 
-/// Sampling points along a bar that find the cells it crosses.
+/// Sampling points along a member that find the cells it crosses.
 const LOOKS: usize = 500;
 
-/// Points along the half of a plate across a bar over which the force of its end is spread.
+/// Points along the half of a plate across a member over which the force of its end is spread.
 const SHARED: usize = 4;
 
-impl<const D: usize> Bar<D> {
+impl<const D: usize> Member<D> {
     /// Its two ends in a model.
     ///
-    /// Errors: see [`BarError`].
-    pub fn places(&self, model: &Model<D>) -> Result<[Point<D>; 2], BarError> {
+    /// Errors: a side that has no place.
+    pub fn places(&self, model: &Model<D>) -> Result<[Point<D>; 2], MemberError> {
         Ok([self.place(model, 0)?, self.place(model, 1)?])
     }
 
     /// Whether it can be laid in a model.
     ///
-    /// Errors: see [`BarError`].
-    pub fn check(&self, model: &Model<D>) -> Result<(), BarError> {
+    /// Errors: what is wrong with it.
+    pub fn check(&self, model: &Model<D>) -> Result<(), MemberError> {
         self.lay(model).map(|_| ())
     }
 
     /// Its layout in a model.
     ///
-    /// Errors: see [`BarError`].
-    pub(crate) fn lay(&self, model: &Model<D>) -> Result<LaidBar<D>, BarError> {
-        self.check_numbers()?;
-        if model.analysis == Analysis::Axisymmetric {
-            return Err(BarError::Axial);
+    /// Errors: what is wrong with it.
+    pub(crate) fn lay(&self, model: &Model<D>) -> Result<LaidMember<D>, MemberError> {
+        let (line, [word, several]) = (&self.line, self.kind.words().words);
+        self.kind.pull().check(line.bond)?;
+        for (key, value) in [("spacing", line.spacing), ("radius", line.radius)] {
+            value.map_or(Ok(()), |value| MemberError::positive(key, value))?;
         }
-        if D == 3 && self.spacing.is_some() {
-            return Err(BarError::Spacing);
+        if model.analysis == Analysis::Axisymmetric {
+            let message = format!("a {word} has no meaning with axial symmetry");
+            return Err(MemberError::new("", message, "not with axial symmetry", ""));
+        }
+        let spaced = |message| {
+            let label = format!("of how many {several}?");
+            Err(MemberError::new("spacing", message, label, ""))
+        };
+        if D == 3 && line.spacing.is_some() {
+            return spaced(format!(
+                "`spacing` is across a plane model; in space every {word} is there by itself"
+            ));
         }
         let places = self.places(model)?;
         let length = distance(places[0], places[1]);
         let across = model.bodies.iter().map(|body| body.mesh.diameter());
         if length <= NO_LENGTH * across.fold(0.0, f64::max) {
-            return Err(BarError::NoLength);
+            let message = "its ends lie at the same place: it has no direction";
+            return Err(MemberError::new("to", message, "the same as `from`", ""));
         }
         let along = sub(places[1], places[0]).map(|c| c / length);
         let mut anchors = vec![self.end(model, (0, places[0]), along)?];
-        if self.bond == Bond::Grouted {
+        if line.bond == Bond::Grouted {
             anchors.extend(self.within(model, places)?);
         }
         anchors.push(self.end(model, (1, places[1]), along)?);
         let mut thickness = anchors.iter().map(|a| model.bodies[a.body].thickness);
         let own = thickness.next().unwrap_or(1.0);
-        let count = match self.spacing {
-            Some(_) if thickness.any(|other| other != own) => return Err(BarError::Thickness),
+        let count = match line.spacing {
+            Some(_) if thickness.any(|other| other != own) => {
+                return spaced(format!(
+                    "its bodies differ in thickness: how many {several} a spacing makes is not clear"
+                ));
+            }
             Some(spacing) => own / spacing,
             None => 1.0,
         };
-        Ok(LaidBar {
+        Ok(LaidMember {
             anchors,
             along,
             count,
@@ -106,10 +123,10 @@ impl<const D: usize> Bar<D> {
     }
 
     /// The place of an end.
-    fn place(&self, model: &Model<D>, end: usize) -> Result<Point<D>, BarError> {
-        match &self.ends[end] {
-            BarEnd::Point(point) => Ok(*point),
-            BarEnd::Side(side) => Ok(mean_of_side(model, side, end)?.point),
+    fn place(&self, model: &Model<D>, end: usize) -> Result<Point<D>, MemberError> {
+        match &self.line.ends[end] {
+            MemberEnd::Point(point) => Ok(*point),
+            MemberEnd::Side(side) => Ok(mean_of_side(model, side, end)?.point),
         }
     }
 
@@ -119,21 +136,26 @@ impl<const D: usize> Bar<D> {
         model: &Model<D>,
         (end, point): (usize, Point<D>),
         along: Point<D>,
-    ) -> Result<Anchor<D>, BarError> {
-        if let BarEnd::Side(side) = &self.ends[end] {
+    ) -> Result<Anchor<D>, MemberError> {
+        if let MemberEnd::Side(side) = &self.line.ends[end] {
             return mean_of_side(model, side, end);
         }
         let found = self.located(model, &[point]).pop().flatten();
         let Some((body, place)) = found else {
-            let names = self.bodies.iter().map(|id| model.bodies[id.0].name.clone());
-            return Err(BarError::Off {
-                end,
-                point: point.to_vec(),
-                bodies: names.collect::<Vec<_>>().join(", "),
-            });
+            let bodies = self.line.bodies.iter();
+            let names: Vec<&str> = bodies.map(|id| &model.bodies[id.0].name[..]).collect();
+            let message = format!(
+                "its end ({}) lies in none of the bodies {}",
+                point.map(|c| c.to_string()).join(", "),
+                names.join(", ")
+            );
+            let help =
+                "a point end lies in a cell of one of the `bodies`, on the boundary at the most";
+            let label = "in none of its bodies";
+            return Err(MemberError::new(ENDS[end], message, label, help));
         };
         // its plate may reach beyond the body
-        let points = self.radius.map(|radius| plate(point, along, radius));
+        let points = self.line.radius.map(|radius| plate(point, along, radius));
         let spread = locate_all(&model.bodies[body].mesh, &points.unwrap_or_default());
         let spread = spread.into_iter().flatten().filter(|p| p.outside <= INSIDE);
         let spread: Vec<Located<D>> = spread.collect();
@@ -148,12 +170,12 @@ impl<const D: usize> Bar<D> {
         })
     }
 
-    /// The points between its ends at which a grouted bar lies in one of its bodies.
+    /// The points between its ends at which a grouted member lies in one of its bodies.
     fn within(
         &self,
         model: &Model<D>,
         [from, to]: [Point<D>; 2],
-    ) -> Result<Vec<Anchor<D>>, BarError> {
+    ) -> Result<Vec<Anchor<D>>, MemberError> {
         let step = sub(to, from);
         let looks: Vec<Point<D>> = (0..LOOKS)
             .map(|k| add_scaled(from, (k as f64 + 0.5) / LOOKS as f64, step))
@@ -183,7 +205,11 @@ impl<const D: usize> Bar<D> {
             })
             .collect();
         match anchors.is_empty() {
-            true => Err(BarError::NotWithin),
+            true => {
+                let message = "it lies in none of its bodies but at its ends: it cannot be grouted";
+                let help = "name the bodies through which it runs, or leave out `bond`";
+                Err(MemberError::new("bodies", message, "not in them", help))
+            }
             false => Ok(anchors),
         }
     }
@@ -192,7 +218,7 @@ impl<const D: usize> Bar<D> {
     /// cells approximate by a polygon.
     fn located(&self, model: &Model<D>, points: &[Point<D>]) -> Vec<Option<(usize, Located<D>)>> {
         let mut found: Vec<Option<(usize, Located<D>)>> = vec![None; points.len()];
-        for body in &self.bodies {
+        for body in &self.line.bodies {
             let places = locate_all(&model.bodies[body.0].mesh, points);
             for (found, place) in found.iter_mut().zip(places) {
                 let Some(place) = place.filter(|place| place.outside <= BESIDE) else {
@@ -209,6 +235,9 @@ impl<const D: usize> Bar<D> {
         found
     }
 }
+
+/// The keys of the ends.
+const ENDS: [&str; 2] = ["from", "to"];
 
 /// A point this far outside of a cell, in its own coordinates, lies in it to rounding; up to the second distance it lies beside it.
 const INSIDE: f64 = 1e-6;
@@ -258,11 +287,11 @@ fn mean_of_side<const D: usize>(
     model: &Model<D>,
     side: &SideRef,
     end: usize,
-) -> Result<Anchor<D>, BarError> {
+) -> Result<Anchor<D>, MemberError> {
     let body = &model.bodies[side.body.0];
-    let fail = || BarError::Side {
-        side: side.side.clone(),
-        end,
+    let fail = || {
+        let message = format!("its side \"{}\" is unknown, or has no area", side.side);
+        MemberError::new(ENDS[end], message, "no side to pull at", "")
     };
     let (mut area, mut centre) = (0.0, [0.0; D]);
     let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
@@ -283,15 +312,18 @@ fn mean_of_side<const D: usize>(
     })
 }
 
-/// Layout of all bars of a model.
+/// Layout of all members of a model.
 ///
-/// Errors: see [`BarError`], with the bar's name.
-pub(crate) fn lay_bars<const D: usize>(model: &Model<D>) -> Result<Vec<LaidBar<D>>, Error<D>> {
-    let lay = |bar: &Bar<D>| {
-        bar.lay(model).map_err(|source| Error::Bar {
-            bar: bar.name.clone(),
+/// Errors: what is wrong with one, with its kind and name.
+pub(crate) fn lay_members<const D: usize>(
+    model: &Model<D>,
+) -> Result<Vec<LaidMember<D>>, Error<D>> {
+    let lay = |member: &Member<D>| {
+        member.lay(model).map_err(|source| Error::Member {
+            kind: member.kind.words(),
+            name: member.name.clone(),
             source,
         })
     };
-    model.bars.iter().map(lay).collect()
+    model.members.iter().map(lay).collect()
 }

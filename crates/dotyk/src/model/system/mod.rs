@@ -3,7 +3,6 @@
 
 pub mod admissible;
 pub mod applied;
-pub mod bar;
 pub mod bed;
 pub mod bodies;
 pub mod choose;
@@ -23,6 +22,7 @@ pub mod joints;
 pub mod key;
 pub mod laid;
 pub mod links;
+pub mod member;
 pub mod memory;
 pub mod parts;
 pub mod reach;

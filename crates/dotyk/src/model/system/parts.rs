@@ -1,6 +1,6 @@
 //! Parts: everything that moves, each once and in one order. The bodies are followed by the rigid parts, which are bodies with K⁺ = 0
 //! whose free components are modes: obstacles that are free to translate, and the points of couples. The last are the elastic
-//! parts of beds and bars (`links.rs`).
+//! parts of beds and members (`links.rs`).
 
 use crate::fem::{BodySystem, Couple};
 use crate::geometry::{Field, Point};
@@ -20,14 +20,25 @@ pub(crate) enum Owner {
     Point(usize, usize),
     /// The elastic part of a bed that only presses: a body, and which of its springs.
     Bed(usize, usize),
-    /// The elastic part of a bar.
-    Bar(usize),
+    /// The elastic part of a member.
+    Member(usize),
 }
 
 impl Owner {
     /// It moves independently, and not just with the bodies that hold it.
     pub fn is_free(self) -> bool {
         matches!(self, Self::Body(_) | Self::Obstacle(_))
+    }
+
+    /// Its kind, in a word.
+    pub fn kind<const D: usize>(self, model: &Model<D>) -> &'static str {
+        match self {
+            Self::Body(_) => "body",
+            Self::Obstacle(_) => "obstacle",
+            Self::Point(..) => "couple",
+            Self::Bed(..) => "bed",
+            Self::Member(of) => model.members[of].kind.words().words[0],
+        }
     }
 
     /// As messages call it.
@@ -40,7 +51,7 @@ impl Owner {
                 format!("{}.{}", body(of).name, body(of).couples[couple].name)
             }
             Self::Bed(of, _) => format!("bed of {}", body(of).name),
-            Self::Bar(of) => model.bars[of].name.clone(),
+            Self::Member(of) => model.members[of].name.clone(),
         }
     }
 }
@@ -68,7 +79,7 @@ impl Parts {
         let owners = owners.chain(points).chain(beds);
         Self(
             owners
-                .chain((0..model.bars.len()).map(Owner::Bar))
+                .chain((0..model.members.len()).map(Owner::Member))
                 .collect(),
         )
     }
@@ -137,7 +148,7 @@ pub(crate) fn rigid_systems<const D: usize>(
             let body = &model.bodies[of];
             Some(point(body, &body.couples[couple]))
         }
-        Owner::Body(_) | Owner::Bed(..) | Owner::Bar(_) => None,
+        Owner::Body(_) | Owner::Bed(..) | Owner::Member(_) => None,
     });
     systems.collect()
 }

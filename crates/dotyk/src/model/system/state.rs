@@ -5,7 +5,7 @@
 //! * a body that appears is free of stress and fits its neighbours: the gaps of its contacts count from the displacements
 //!   u_a of the bodies that were there, g₀ + B u_a, in normal and tangential rows;
 //! * a support that appears holds the nodes of its body where they are;
-//! * a spring or a bar that appears bears no force at the displacements of that moment; a prestressed bar pulls in its first step
+//! * a spring or a member that appears bears no force at the displacements of that moment; a prestressed bar pulls in its first step
 //!   with its prestress, whatever the displacements;
 //! * friction counts from the positions of the sides of a contact when its stage began, B u of the last step in the present
 //!   directions of the tangents: slips stay when a support of a side goes, and a contact or an obstacle that comes has no slip;
@@ -25,6 +25,7 @@ use crate::model::nouns::presence::{Presence, Stage, places};
 use crate::model::nouns::solution::Solution;
 use crate::model::system::condition::{Condition, Fit, Source, obstacle_motion, row_ranges};
 use crate::model::system::joints::Lost;
+use crate::model::system::parts::Owner;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -48,8 +49,8 @@ enum Thing {
     Spring(usize, usize),
     /// A tie between bodies that were there: it holds them in their present positions.
     Tie(String),
-    /// A bar: its elongation counts from the moment when it begins to bear.
-    Bar(String),
+    /// A member: its elongation counts from the moment when it begins to bear.
+    Member(String),
 }
 
 /// The moment when a part came.
@@ -64,7 +65,7 @@ struct Birth<const D: usize> {
 /// State of a condition between parts.
 #[derive(Debug, Clone, Default)]
 struct Record {
-    /// Slip of its sides, or plastic elongation of a bar, in the rows of its stage (m of the condition,) where a bounded force does work;
+    /// Slip of its sides, or plastic elongation of a member, in the rows of its stage (m of the condition,) where a bounded force does work;
     /// zero in the others. `None`: the slip follows from displacements.
     slip: Option<Vec<f64>>,
     /// Work that its friction has dissipated.
@@ -211,7 +212,7 @@ impl<const D: usize> State<D> {
         self.load = None;
         if let (Some(conditions), Some(forces)) = (last, &forces) {
             self.release(model, &next, (conditions, &forces.lambda));
-            // the rows change; plastic elongations of bars stay
+            // the rows change; plastic elongations of members stay
             for condition in conditions.iter().filter(|c| c.elastic.is_none()) {
                 let record = self.records.get_mut(&condition.name);
                 record.into_iter().for_each(|record| record.slip = None);
@@ -256,12 +257,12 @@ impl<const D: usize> State<D> {
             }
         }
         let holds = |there: &Presence| -> Vec<bool> {
-            let each = there.bars.iter().zip(&there.tightening);
+            let each = there.members.iter().zip(&there.tightening);
             each.map(|(there, tightening)| *there && !tightening)
                 .collect()
         };
-        let bars = comes(&holds(now), &holds(next)).into_iter();
-        things.extend(bars.map(|bar| Thing::Bar(model.bars[bar].name.clone())));
+        let members = comes(&holds(now), &holds(next)).into_iter();
+        things.extend(members.map(|place| Thing::Member(model.members[place].name.clone())));
         things
     }
 
@@ -325,7 +326,7 @@ impl<const D: usize> State<D> {
         self.records.get(contact)?.lost.as_ref()
     }
 
-    /// The slip from which friction counts, in all rows (m,): relative motions of the sides of contacts, and plastic elongations of bars.
+    /// The slip from which friction counts, in all rows (m,): relative motions of the sides of contacts, and plastic elongations of members.
     pub fn slips(&self, conditions: &[Condition<D>]) -> Vec<f64> {
         let of_condition = |condition: &Condition<D>| {
             let slides = condition.slides();
@@ -364,9 +365,13 @@ impl<const D: usize> State<D> {
                 condition.touch.fit = self.fit(&condition.name, own, other);
             }
             let birth = match condition.source {
-                Source::Bed(of, place) => self.spring(whole[of], place),
-                Source::Bar(_) => self.births.get(&Thing::Bar(condition.name.clone())),
-                _ => None,
+                Source::Of(Owner::Bed(of, place)) => self.spring(whole[of], place),
+                Source::Of(Owner::Member(_)) => {
+                    self.births.get(&Thing::Member(condition.name.clone()))
+                }
+                // contacts are fitted, and points of couples come with their bodies
+                Source::Contact(_)
+                | Source::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..)) => None,
             };
             let Some(birth) = birth else { continue };
             let mut came_with = vec![0.0; condition.came_with.len()];

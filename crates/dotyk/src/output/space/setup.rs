@@ -7,7 +7,9 @@ use crate::output::html;
 use crate::output::markup::Markup;
 use crate::output::points::couples;
 use crate::output::scene::WIDTH;
-use crate::output::setup::{Flow, NAMED, draw_bar, name_alone, name_links, name_loads, name_parts};
+use crate::output::setup::{
+    Flow, NAMED, draw_member, look, name_alone, name_links, name_loads, name_parts,
+};
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Ink, Paint};
 use crate::output::space::marks::{Labelled, Mark, force, held, hold, push, seen};
@@ -202,9 +204,9 @@ impl Sheet<'_> {
         for (body, couple) in couples(scene.model) {
             self.couple(&scene.model.bodies[body].mesh, couple);
         }
-        for bar in &scene.model.bars {
-            if let Ok(ends) = bar.places(scene.model) {
-                draw_bar(self.svg, ends.map(|end| window.pixel(end)), bar.bond);
+        for member in &scene.model.members {
+            if let Ok(ends) = member.places(scene.model) {
+                draw_member(self.svg, ends.map(|end| window.pixel(end)), look(member));
             }
         }
         let mut labelled = Labelled::default();

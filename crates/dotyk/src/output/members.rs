@@ -1,6 +1,7 @@
-//! Section "Bars" of the report: the forces of all bars, their course over the load steps, and along grouted ones.
+//! Sections "Bars", "Springs" of the report, one for each kind of members: the forces of all, their course over the load steps, and
+//! along grouted ones.
 
-use crate::model::{Bar, BarSolution, Bond, LinePoint};
+use crate::model::{Bond, LinePoint, Member, MemberSolution, MemberWords};
 use crate::output::Overview;
 use crate::output::html::{Head, column, figure, left, plain, table, text};
 use crate::output::json::range;
@@ -11,49 +12,67 @@ use crate::output::scene::WIDTH;
 use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
 use crate::output::text::{Labels, count, number, quantity, without_noise};
 
-/// Most bars whose course along themselves is drawn.
+/// Most members of a kind whose course along themselves is drawn.
 const DRAWN: usize = 6;
 
-/// The section; empty without bars.
-pub fn bars_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
-    if run.model.bars.is_empty() {
-        return Markup::default();
-    }
-    let mut out = markup!("<h2>Bars</h2>\n<p>Forces of one bar, tension positive.</p>\n");
-    out += forces(run, labels);
-    if run.earlier.is_empty() {
-        return out + along(run, labels);
-    }
-    let svg = over_steps(run, labels);
-    out += figure(
-        &svg,
-        "Forces of the bars over the load steps",
-        "The force of the largest magnitude of each bar against the time t of the steps.",
-    );
-    out + along(run, labels)
+/// The sections of all kinds; empty without members.
+pub fn member_sections<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
+    let kinds = run.model.members_by_kind();
+    kinds.map(|kind| section(run, &kind, labels)).collect()
 }
 
-/// Forces of a bar in each step in which it is present: number of the step from 1, and its solution.
+/// A kind, and its members.
+type OfKind<'a, const D: usize> = (MemberWords, Vec<&'a Member<D>>);
+
+fn section<const D: usize>(run: &Overview<'_, D>, of: &OfKind<'_, D>, labels: &Labels) -> Markup {
+    let [word, several] = of.0.words;
+    let (first, rest) = several.split_at(1);
+    let mut out = markup!(
+        "<h2>{}{}</h2>\n<p>Forces of one {}, tension positive.</p>\n",
+        first.to_uppercase(),
+        rest,
+        word
+    );
+    out += forces(run, of, labels);
+    if run.earlier.is_empty() {
+        return out + along(run, of, labels);
+    }
+    let svg = over_steps(run, of, labels);
+    out += figure(
+        &svg,
+        &format!("Forces of the {several} over the load steps"),
+        &format!(
+            "The force of the largest magnitude of each {word} against the time t of the steps."
+        ),
+    );
+    out + along(run, of, labels)
+}
+
+/// Forces of a member in each step in which it is present: number of the step from 1, its time, and its solution.
 fn courses<'a, const D: usize>(
     run: &'a Overview<'_, D>,
-    bar: &'a Bar<D>,
-) -> impl Iterator<Item = (usize, f64, &'a BarSolution<D>)> {
+    member: &'a Member<D>,
+) -> impl Iterator<Item = (usize, f64, &'a MemberSolution<D>)> {
     run.steps().enumerate().filter_map(|(step, solution)| {
-        let found = solution.bars.iter().find(|own| own.name == bar.name)?;
+        let found = solution.member(&member.name)?;
         Some((step + 1, solution.time, found))
     })
 }
 
-/// Least and largest force of a bar in a step.
-fn extremes<const D: usize>(bar: &BarSolution<D>) -> [f64; 2] {
-    range(bar.stations.iter().map(|station| station.force))
+/// Least and largest force of a member in a step.
+fn extremes<const D: usize>(member: &MemberSolution<D>) -> [f64; 2] {
+    range(member.stations.iter().map(|station| station.force))
 }
 
-fn forces<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
+fn forces<const D: usize>(
+    run: &Overview<'_, D>,
+    (kind, members): &OfKind<'_, D>,
+    labels: &Labels,
+) -> Markup {
     let several = !run.earlier.is_empty();
     let mut heads: Vec<Head> = vec![
-        left("bar"),
-        left("bond"),
+        left(kind.words[0]),
+        left(kind.choice),
         column("length", &labels.length),
         column("least N", &labels.force),
         column("largest N", &labels.force),
@@ -64,23 +83,24 @@ fn forces<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
         heads.push(column("largest of all steps", &labels.force));
         heads.push(column("step", ""));
     }
-    let yields = run.model.bars.iter().any(|bar| bar.yields.is_some());
+    let strength = |member: &Member<D>| member.kind.pull().strength();
+    let yields = members.iter().any(|member| strength(member).is_some());
     if yields {
         heads.push(column("most |N| over yield", ""));
     }
-    let all = || run.model.bars.iter().flat_map(|bar| courses(run, bar));
-    let scale = all().flat_map(|(.., bar)| extremes(bar).map(f64::abs));
+    let all = || members.iter().flat_map(|member| courses(run, member));
+    let scale = all().flat_map(|(.., own)| extremes(own).map(f64::abs));
     let scale = scale.fold(0.0, f64::max);
     let told = |force: f64| plain(number(without_noise(force, scale)));
-    let row = |bar: &Bar<D>| {
-        let course: Vec<_> = courses(run, bar)
+    let row = |member: &&Member<D>| {
+        let course: Vec<_> = courses(run, member)
             .map(|(k, _, own)| (k, extremes(own)))
             .collect();
-        let last = run.last.bars.iter().find(|own| own.name == bar.name);
-        let length = courses(run, bar).map(|(.., own)| own.length).next();
+        let last = run.last.member(&member.name);
+        let length = courses(run, member).map(|(.., own)| own.length).next();
         let mut row = vec![
-            text(&bar.name),
-            text(bar.bond.name()),
+            text(&member.name),
+            text(member.kind.pull().chosen(member.line.bond)),
             plain(number(length.unwrap_or(f64::NAN))),
         ];
         let now = last.map_or([f64::NAN; 2], extremes);
@@ -96,14 +116,15 @@ fn forces<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
         if yields {
             let largest = course.iter().flat_map(|(_, ends)| ends.map(f64::abs));
             let largest = largest.fold(0.0, f64::max);
-            let used = bar.yields.map(|stress| largest / (stress * bar.area));
+            let used = strength(member).map(|most| largest / most);
             row.push(plain(used.map_or("–".to_string(), number)));
         }
         row
     };
-    let mut out = table(&heads, run.model.bars.iter().map(row).collect());
-    let tightened = run.last.bars.iter().filter(|bar| bar.tightening);
-    let tightened: Vec<&str> = tightened.map(|bar| bar.name.as_str()).collect();
+    let mut out = table(&heads, members.iter().map(row).collect());
+    let tightened = run.last.members.iter();
+    let tightened = tightened.filter(|own| own.kind == *kind && own.tightening);
+    let tightened: Vec<&str> = tightened.map(|own| own.name.as_str()).collect();
     if !tightened.is_empty() {
         out += markup!(
             "<p>Tightened in the last step, in which they pull with their prestress whatever gives: {}.</p>\n",
@@ -113,13 +134,17 @@ fn forces<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     out
 }
 
-fn over_steps<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
-    let shown: Vec<&Bar<D>> = run.model.bars.iter().take(SERIES.len()).collect();
+fn over_steps<const D: usize>(
+    run: &Overview<'_, D>,
+    (kind, members): &OfKind<'_, D>,
+    labels: &Labels,
+) -> Markup {
+    let shown: Vec<&Member<D>> = members.iter().copied().take(SERIES.len()).collect();
     let times: Vec<f64> = run.steps().map(|solution| solution.time).collect();
-    let of = |bar: &Bar<D>| -> Vec<[f64; 2]> {
+    let of = |member: &Member<D>| -> Vec<[f64; 2]> {
         let at = |solution: &crate::model::Solution<D>| {
-            let own = solution.bars.iter().find(|own| own.name == bar.name);
-            let force = own.and_then(BarSolution::largest);
+            let own = solution.member(&member.name);
+            let force = own.and_then(MemberSolution::largest);
             [
                 solution.time,
                 force.map_or(f64::NAN, |station| station.force),
@@ -127,11 +152,11 @@ fn over_steps<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup 
         };
         run.steps().map(at).collect()
     };
-    let curves: Vec<Vec<[f64; 2]>> = shown.iter().map(|bar| of(bar)).collect();
+    let curves: Vec<Vec<[f64; 2]>> = shown.iter().map(|member| of(member)).collect();
     let values: Vec<f64> = curves.iter().flatten().map(|point| point[1]).collect();
     let mut svg = Svg::new(
-        "bars",
-        "Forces of the bars over the load steps",
+        kind.plural,
+        &format!("Forces of the {} over the load steps", kind.words[1]),
         WIDTH,
         300.0,
     );
@@ -143,33 +168,34 @@ fn over_steps<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup 
     };
     frame.draw(&mut svg, true);
     let mut key = frame.corner[0];
-    for ((bar, points), colour) in shown.iter().zip(&curves).zip(SERIES) {
+    for ((member, points), colour) in shown.iter().zip(&curves).zip(SERIES) {
         frame.curve(&mut svg, points, colour, 1.8);
         for [time, force] in points.iter().filter(|point| point[1].is_finite()) {
             let hint = format!(
                 "{} at t = {}: {}",
-                bar.name,
+                member.name,
                 number(*time),
                 quantity(*force, &labels.force)
             );
             svg.circle(frame.at(*time, *force), 2.6, colour, "#fff", &hint);
         }
         let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
-        svg.text([key, 19.0], &bar.name, style);
-        key += text_width(&bar.name, style.size) + 16.0;
+        svg.text([key, 19.0], &member.name, style);
+        key += text_width(&member.name, style.size) + 16.0;
     }
     svg.finish()
 }
 
-/// The forces along grouted bars.
-fn along<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
-    let grouted = run
-        .model
-        .bars
-        .iter()
-        .filter(|bar| bar.bond == Bond::Grouted);
-    let one = |(index, bar): (usize, &Bar<D>)| {
-        let course: Vec<_> = courses(run, bar).collect();
+/// The forces along grouted members.
+fn along<const D: usize>(
+    run: &Overview<'_, D>,
+    (kind, members): &OfKind<'_, D>,
+    labels: &Labels,
+) -> Markup {
+    let grouted = members.iter().copied();
+    let grouted = grouted.filter(|member| member.line.bond == Bond::Grouted);
+    let one = |(index, member): (usize, &Member<D>)| {
+        let course: Vec<_> = courses(run, member).collect();
         let shown = spread(course.len());
         let places: Vec<Vec<LinePoint>> = shown
             .iter()
@@ -180,28 +206,36 @@ fn along<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
             places,
         });
         let curves: Vec<Curve<'_>> = curves.collect();
-        let named = (format!("N of {}", bar.name), labels.force.as_str());
+        let named = (format!("N of {}", member.name), labels.force.as_str());
         let svg = line_figure(
-            &format!("bar-{index}"),
+            &format!("{}-{index}", kind.key),
             (&named.0, named.1),
             &curves,
             labels,
         );
-        let caption = "Along the bar; s counts from its beginning. One force for each element, drawn at its middle.";
-        figure(&svg, &bar.name, caption)
+        let caption = format!(
+            "Along the {}; s counts from its beginning. One force for each element, drawn at its middle.",
+            kind.words[0]
+        );
+        figure(&svg, &member.name, &caption)
     };
     let mut out: Markup = grouted.clone().take(DRAWN).enumerate().map(one).collect();
     let left_out = grouted.count().saturating_sub(DRAWN);
     if left_out > 0 {
-        out += markup!("<p>{} more grouted bars: bars.csv.</p>\n", count(left_out));
+        out += markup!(
+            "<p>{} more grouted {}: {}.csv.</p>\n",
+            count(left_out),
+            kind.words[1],
+            kind.plural
+        );
     }
     out
 }
 
-fn points_of<const D: usize>(bar: &BarSolution<D>) -> Vec<LinePoint> {
-    let stations = bar.stations.iter();
+fn points_of<const D: usize>(member: &MemberSolution<D>) -> Vec<LinePoint> {
+    let stations = member.stations.iter();
     let point = |at: &[f64; D]| std::array::from_fn(|i| if i < D { at[i] } else { 0.0 });
-    let scale = extremes(bar)
+    let scale = extremes(member)
         .into_iter()
         .fold(0.0, |s: f64, f| s.max(f.abs()));
     stations

@@ -1,0 +1,176 @@
+//! Members of a case file: the readers of all kinds, and what they share, a line from one place to another.
+
+mod bar;
+
+use crate::case::contact::side_ref;
+use crate::case::document::{Node, Table, Value, later, name};
+use crate::case::error::Fault;
+use crate::case::keys;
+use crate::case::points::place;
+use crate::case::steps::Steps;
+use crate::model::{
+    Analysis, Body, BodyId, Bond, Line, Member, MemberEnd, MemberError, MemberKind, MemberWords,
+};
+
+macro_rules! readers {
+    ($($file:ident::$kind:ident)*) => {
+        /// The keys of each kind, in the order of [`MemberKind::ALL`].
+        pub(crate) const KEYS: [&[&str]; MemberKind::ALL.len()] = [$($file::KEYS,)*];
+
+        /// How one of each kind pulls.
+        const READERS: [fn(Table<'_>, &str) -> Result<MemberKind, Fault>; KEYS.len()] =
+            [$(|table, what| $file::read(table, what).map(MemberKind::$kind),)*];
+    };
+}
+
+readers! {
+    bar::Bar
+}
+
+/// All members of a case, kind by kind, each with where it stands.
+pub(crate) fn members<'n, const D: usize>(
+    case: Table<'n>,
+    bodies: &mut [Body<D>],
+    analysis: Analysis,
+    steps: &Steps,
+) -> Result<Vec<(Member<D>, &'n Node)>, Fault> {
+    let mut members = Vec::new();
+    for ((kind, keys), read) in MemberKind::ALL.iter().zip(KEYS).zip(READERS) {
+        for node in case.list(kind.key)? {
+            let table = node.table(keys)?;
+            let [word, _] = kind.words;
+            let name = name(table.require("name", &format!("a {word}"))?)?;
+            let what = format!("{word} `{name}`");
+            if analysis == Analysis::Axisymmetric {
+                return Err(later(table.span, &format!("a {word} with axial symmetry")));
+            }
+            let active = steps.active(table)?;
+            let member = Member {
+                active,
+                kind: read(table, &what)?,
+                line: line(table, (kind, &what), bodies)?,
+                name,
+            };
+            members.push((member, node));
+        }
+    }
+    Ok(members)
+}
+
+/// A positive number of a key, where it is given.
+pub(crate) fn positive(table: Table<'_>, key: &str) -> Result<Option<f64>, Fault> {
+    let node = table.get(key);
+    node.map(|node| node.positive(&format!("`{key}`")))
+        .transpose()
+}
+
+const BONDS: [(&str, Bond); 2] = [("ends", Bond::Ends), ("grouted", Bond::Grouted)];
+
+/// Where a member runs; a kind without the key `bond` is held at its ends.
+fn line<const D: usize>(
+    table: Table<'_>,
+    (kind, what): (&MemberWords, &str),
+    bodies: &mut [Body<D>],
+) -> Result<Line<D>, Fault> {
+    let [word, several] = kind.words;
+    let (spacing, radius) = (positive(table, "spacing")?, positive(table, "radius")?);
+    if let (3, Some(entry)) = (D, table.entry("spacing")) {
+        let message = format!("`spacing` is the distance of {several} across a plane model");
+        return Err(Fault::new(&entry.key_span, message)
+            .label("not in space")
+            .help(format!("in space each {word} is there by itself")));
+    }
+    let bond = table.get("bond");
+    let bond = bond.map_or(Ok(Bond::Ends), |node| node.choice("bond", &BONDS))?;
+    let end_of = format!("the end of a {word}");
+    let ends = ["from", "to"].map(|key| end(table.require(key, what)?, &end_of, bodies));
+    let [from, to] = ends;
+    let mut line = Line {
+        ends: [from?, to?],
+        bodies: Vec::new(),
+        bond,
+        spacing,
+        radius,
+    };
+    line.bodies = bodies_of(table, &line, what, bodies)?;
+    if let (false, Some(entry)) = (line.ends_at_points(), table.entry("radius")) {
+        let message = format!("`radius` is of ends at points, and {what} has none");
+        return Err(Fault::new(&entry.key_span, message).label("superfluous"));
+    }
+    Ok(line)
+}
+
+/// A point, or `{ side = "BODY.SIDE" }`.
+fn end<const D: usize>(
+    node: &Node,
+    what: &str,
+    bodies: &mut [Body<D>],
+) -> Result<MemberEnd<D>, Fault> {
+    match node.value {
+        Value::Table(_) => {
+            let table = node.table(keys::MEMBER_END)?;
+            let side = table.require("side", what)?;
+            side_ref(side, bodies).map(MemberEnd::Side)
+        }
+        _ => place(node, bodies).map(MemberEnd::Point),
+    }
+}
+
+/// The bodies in which its points lie.
+fn bodies_of<const D: usize>(
+    table: Table<'_>,
+    line: &Line<D>,
+    what: &str,
+    bodies: &[Body<D>],
+) -> Result<Vec<BodyId>, Fault> {
+    let needed = line.ends_at_points() || line.bond == Bond::Grouted;
+    let Some(entry) = table.entry("bodies") else {
+        return match needed {
+            false => Ok(Vec::new()),
+            true => Err(Fault::new(table.span, format!("{what} does not say in which bodies it lies"))
+                .label("`bodies` is missing")
+                .help("add `bodies = [\"rock\"]`: its points are looked for in the first of them, then in the next")),
+        };
+    };
+    if !needed {
+        let message = format!("`bodies` is of ends at points, and {what} ends at sides");
+        return Err(Fault::new(&entry.key_span, message).label("superfluous"));
+    }
+    let list = entry.node.list()?;
+    if list.is_empty() {
+        let message = format!("the list of bodies of {what} is empty");
+        return Err(Fault::new(&entry.node.span, message).label("no body"));
+    }
+    let mut found: Vec<BodyId> = Vec::new();
+    for node in list {
+        let text = node.text()?;
+        let Some(place) = bodies.iter().position(|body| body.name == text) else {
+            let fault = Fault::new(&node.span, format!("there is no body `{text}`"));
+            let names = bodies.iter().map(|body| body.name.as_str());
+            return Err(fault.nearest(text, ["the nearest known body", "bodies"], names));
+        };
+        if found.contains(&BodyId(place)) {
+            let message = format!("{what} names the body `{text}` twice");
+            return Err(Fault::new(&node.span, message).label("second time"));
+        }
+        found.push(BodyId(place));
+    }
+    Ok(found)
+}
+
+/// What is wrong with a member in its place, where it is written.
+pub(crate) fn fault<const D: usize>(error: &MemberError, node: &Node, member: &Member<D>) -> Fault {
+    let mut entries = node.entries().unwrap_or_default().iter();
+    let entry = entries.find(|entry| entry.key == error.key);
+    let span = entry.map_or(&node.span, |entry| &entry.node.span);
+    let message = format!(
+        "{} `{}`: {error}",
+        member.kind.words().words[0],
+        member.name
+    );
+    let fault = Fault::new(span, message).label(error.label.as_str());
+    match error.help {
+        "" => fault,
+        help => fault.help(help),
+    }
+}

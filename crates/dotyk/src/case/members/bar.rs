@@ -1,0 +1,35 @@
+//! `[[bar]]` of a case file: bolts, anchors and ties.
+
+use crate::case::document::{Node, Table};
+use crate::case::error::Fault;
+use crate::case::members::positive;
+use crate::model::Bar;
+
+pub(crate) const KEYS: &[&str] = &[
+    "name",
+    "from",
+    "to",
+    "bodies",
+    "bond",
+    "young",
+    "area",
+    "prestress",
+    "spacing",
+    "tension_only",
+    "yield",
+    "radius",
+    "active",
+];
+
+/// How one pulls.
+pub(crate) fn read(table: Table<'_>, what: &str) -> Result<Bar, Fault> {
+    let required = |key: &str| table.require(key, what)?.positive(&format!("`{key}`"));
+    let (young, area) = (required("young")?, required("area")?);
+    Ok(Bar {
+        yields: positive(table, "yield")?,
+        prestress: table.get("prestress").map(Node::number).transpose()?,
+        tension_only: table.get("tension_only").map_or(Ok(false), Node::boolean)?,
+        young,
+        area,
+    })
+}

@@ -1,0 +1,254 @@
+//! Members: what connects points of bodies by forces along itself. Here is what all kinds share; a kind is a file of `members/`.
+//!
+//! A member is a chain of elements between points that move with the bodies. With its direction t, the displacement u_k of its k-th
+//! point and the stiffness k_k of its elements, element k pulls its ends together by
+//!
+//! ```text
+//!   N_k = P + k_k (e_k − e_a),       e_k = t·(u_{k+1} − u_k)
+//! ```
+//!
+//! P is its prestress and e_a its reference elongation. A prestressed member pulls with constant P in the step in which it comes, and e_a
+//! is the elongation at the end of that step; without prestress e_a is that before the step. What N may be is the law of its kind.
+//!
+//! A member held at its ends has one element. A grouted one has two or, in cells of second order, four in each cell that it crosses; its
+//! points move with the cells in which they lie, and meshes need not fit. Across itself it has no stiffness.
+//!
+//! Units: N a force, of one member, tension positive. In the plane a model is as thick as its bodies: with `spacing` it holds
+//! thickness/spacing members.
+
+use crate::dual::Block;
+use crate::geometry::Point;
+use crate::model::nouns::ids::{BodyId, SideRef};
+
+/// Where a member runs, and how it is connected to the bodies there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line<const D: usize> {
+    /// Where it begins and ends.
+    pub ends: [MemberEnd<D>; 2],
+    /// The bodies in which its points lie; for sides the bodies of these.
+    pub bodies: Vec<BodyId>,
+    /// How it is connected to them.
+    pub bond: Bond,
+    /// Distance of one member to the next across a plane model; `None`: one in the thickness.
+    pub spacing: Option<f64>,
+    /// Its ends at points pull at a disc of this radius across it, in the plane at a line twice as long; `None`: at the point itself.
+    pub radius: Option<f64>,
+}
+
+/// Where a member begins or ends.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MemberEnd<const D: usize> {
+    /// A point of one of its bodies.
+    Point(Point<D>),
+    /// The mean displacement of a side, at its centroid.
+    Side(SideRef),
+}
+
+/// How a member is connected to its bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Bond {
+    /// At both ends.
+    #[default]
+    Ends,
+    /// All along.
+    Grouted,
+}
+
+impl Bond {
+    /// The name in a case file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ends => "ends",
+            Self::Grouted => "grouted",
+        }
+    }
+
+    /// The same in a legend.
+    pub fn held(self) -> &'static str {
+        match self {
+            Self::Ends => "held at its ends",
+            Self::Grouted => "grouted",
+        }
+    }
+}
+
+impl<const D: usize> Line<D> {
+    /// Between two places of some bodies, held there, one in the thickness.
+    pub fn new(ends: [MemberEnd<D>; 2], bodies: &[BodyId]) -> Self {
+        Self {
+            ends,
+            bodies: bodies.to_vec(),
+            bond: Bond::Ends,
+            spacing: None,
+            radius: None,
+        }
+    }
+
+    /// Whether one of its ends is at a point.
+    pub fn ends_at_points(&self) -> bool {
+        let mut ends = self.ends.iter();
+        ends.any(|end| matches!(end, MemberEnd::Point(_)))
+    }
+
+    /// All bodies that it touches.
+    pub fn touched(&self) -> impl Iterator<Item = BodyId> {
+        let sides = self.ends.iter().filter_map(|end| match end {
+            MemberEnd::Side(side) => Some(side.body),
+            MemberEnd::Point(_) => None,
+        });
+        let within = self.ends_at_points() || self.bond == Bond::Grouted;
+        let bodies = self.bodies.iter().copied().filter(move |_| within);
+        sides.chain(bodies)
+    }
+}
+
+/// What a kind of members is called.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MemberWords {
+    /// Its key in a case file.
+    pub key: &'static str,
+    /// Its key in results.
+    pub plural: &'static str,
+    /// In messages, of one and of several.
+    pub words: [&'static str; 2],
+    /// The same where springs of bodies are told, too.
+    pub apart: [&'static str; 2],
+    /// What one of it may choose, which the report tells.
+    pub choice: &'static str,
+}
+
+/// A kind of members: how one pulls.
+pub(crate) trait Pull {
+    /// Errors: a number out of its range, or a bond that it cannot have.
+    fn check(&self, bond: Bond) -> Result<(), MemberError>;
+
+    /// Stiffness of an element of this length of `count` of them.
+    fn stiffness(&self, count: f64, length: f64) -> f64;
+
+    /// The law of an element of `count` of them.
+    fn law(&self, count: f64) -> PullLaw;
+
+    /// Its choice, in a word.
+    fn chosen(&self, bond: Bond) -> &'static str;
+
+    /// The force with which it pulls in the step in which it comes; `None`: it comes without a force.
+    fn prestress(&self) -> Option<f64> {
+        None
+    }
+
+    /// The largest force that it bears.
+    fn strength(&self) -> Option<f64> {
+        None
+    }
+
+    /// Its strength in words, alone and beside friction, where it may be exhausted.
+    fn exhausted(&self) -> Option<[&'static str; 2]> {
+        None
+    }
+
+    /// Its slip is a plastic elongation, which only grows; slackness is not part of it.
+    fn slackens(&self) -> bool {
+        false
+    }
+}
+
+/// The forces that an element bears.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PullLaw {
+    /// 1: λ is tension, and e an elongation; −1: compression, and e a shortening.
+    pub sign: f64,
+    /// Of λ besides the offset.
+    pub block: Block,
+    /// The force from which its λ counts.
+    pub offset: f64,
+    /// Play: e from which on it bears a force.
+    pub gap: f64,
+}
+
+/// Why a member is refused.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct MemberError {
+    /// The key of the case file at which it is wrong; empty: the whole member.
+    pub key: &'static str,
+    /// What is wrong, with the number or the place.
+    pub message: String,
+    /// The same in a few words, at its place.
+    pub label: String,
+    /// What to do; may be empty.
+    pub help: &'static str,
+}
+
+impl MemberError {
+    /// With a message, a label and what to do.
+    pub(crate) fn new(
+        key: &'static str,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: &'static str,
+    ) -> Self {
+        Self {
+            key,
+            message: message.into(),
+            label: label.into(),
+            help,
+        }
+    }
+
+    /// A number out of its range.
+    pub(crate) fn number(key: &'static str, value: f64, range: &str) -> Self {
+        let message = format!("its {key} is {value}: it must be {range}");
+        Self::new(key, message, "not possible", "")
+    }
+
+    /// Errors: a number that is not positive.
+    pub(crate) fn positive(key: &'static str, value: f64) -> Result<(), Self> {
+        match value > 0.0 && value.is_finite() {
+            true => Ok(()),
+            false => Err(Self::number(key, value, "positive")),
+        }
+    }
+}
+
+/// Forces of a member.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MemberSolution<const D: usize> {
+    /// Its name.
+    pub name: String,
+    /// Its kind.
+    pub kind: MemberWords,
+    /// From its beginning to its end.
+    pub length: f64,
+    /// One for each of its elements, in their order.
+    pub stations: Vec<MemberStation<D>>,
+    /// It was tightened in this step.
+    pub tightening: bool,
+}
+
+/// Force of an element of a member.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MemberStation<const D: usize> {
+    /// Length from the beginning of the member to the middle of the element.
+    pub s: f64,
+    /// The middle.
+    pub point: Point<D>,
+    /// Length of the element.
+    pub length: f64,
+    /// N of one member, tension positive.
+    pub force: f64,
+}
+
+impl<const D: usize> MemberSolution<D> {
+    /// The station with the force of the largest magnitude.
+    pub fn largest(&self) -> Option<&MemberStation<D>> {
+        let mut stations = self.stations.iter();
+        let first = stations.next()?;
+        Some(stations.fold(first, |best, next| {
+            if next.force.abs() > best.force.abs() {
+                next
+            } else {
+                best
+            }
+        }))
+    }
+}

@@ -1,0 +1,76 @@
+//! All kinds of members, each a file of `members/` and a line of the table below.
+
+mod bar;
+
+pub use bar::*;
+
+use crate::fem::Active;
+use crate::model::nouns::member::{Line, MemberWords, Pull};
+
+/// What connects points of bodies by forces along itself: bolts, anchors, ties, springs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Member<const D: usize> {
+    /// Unique name.
+    pub name: String,
+    /// Where it runs.
+    pub line: Line<D>,
+    /// How it pulls.
+    pub kind: MemberKind,
+    /// When it is there, as long as its bodies are.
+    pub active: Active,
+}
+
+impl<const D: usize> Member<D> {
+    /// A member along a line, always there.
+    pub fn new(name: &str, line: Line<D>, kind: MemberKind) -> Self {
+        Self {
+            name: name.to_string(),
+            line,
+            kind,
+            active: Active::ALWAYS,
+        }
+    }
+}
+
+/// The members of each kind that there is, in the order of all kinds.
+pub(crate) fn by_kind<'a, T>(
+    members: &'a [T],
+    kind: impl Fn(&T) -> MemberWords,
+) -> impl Iterator<Item = (MemberWords, Vec<&'a T>)> {
+    let of_kind = move |words: &MemberWords| {
+        let own = members.iter().filter(|member| kind(member) == *words);
+        (*words, own.collect::<Vec<_>>())
+    };
+    let kinds = MemberKind::ALL.iter().map(of_kind);
+    kinds.filter(|(_, own)| !own.is_empty())
+}
+
+macro_rules! kinds {
+    ($($file:ident::$kind:ident)*) => {
+        /// The kinds of members.
+        #[derive(Debug, Clone, PartialEq)]
+        pub enum MemberKind {$(
+            #[doc = concat!("See [`", stringify!($kind), "`].")]
+            $kind($kind),
+        )*}
+
+        impl MemberKind {
+            /// What all kinds are called, in the order in which case files are read and results written.
+            pub const ALL: &[MemberWords] = &[$($file::WORDS,)*];
+
+            /// What it is called.
+            pub fn words(&self) -> MemberWords {
+                match self {$(Self::$kind(_) => $file::WORDS,)*}
+            }
+
+            /// How it pulls.
+            pub(crate) fn pull(&self) -> &dyn Pull {
+                match self {$(Self::$kind(own) => own,)*}
+            }
+        }
+    };
+}
+
+kinds! {
+    bar::Bar
+}
