@@ -1589,7 +1589,8 @@ fn every_column_of_a_table_is_told_in_the_reference() {
         "[[section]]\nname = \"cut\"\nbody = \"up\"\nsides = [\"left\", \"right\"]\nstations = 2\n";
     let bar = |ends: [&str; 2]| {
         format!(
-            "[[bar]]\nname = \"bolt\"\nfrom = {}\nto = {}\nbodies = [\"low\", \"up\"]\nyoung = 1e9\narea = 1e-3\n",
+            "[[bar]]\nname = \"bolt\"\nfrom = {0}\nto = {1}\nbodies = [\"low\", \"up\"]\nyoung = 1e9\narea = 1e-3\n\
+             [[spring]]\nname = \"buffer\"\nfrom = {0}\nto = {1}\nbodies = [\"low\", \"up\"]\nstiffness = 1e6\n",
             ends[0], ends[1]
         )
     };
@@ -1628,14 +1629,20 @@ fn every_column_of_a_table_is_told_in_the_reference() {
             "columns_plane",
             &plane,
             "run",
-            &["contact.csv", "sections.csv", "lines.csv", "bars.csv"][..],
+            &[
+                "contact.csv",
+                "sections.csv",
+                "lines.csv",
+                "bars.csv",
+                "springs.csv",
+            ][..],
         ),
         ("columns_round", &round, "run", &["sections.csv"]),
         (
             "columns_space",
             &space,
             "run",
-            &["contact.csv", "lines.csv", "bars.csv"],
+            &["contact.csv", "lines.csv", "bars.csv", "springs.csv"],
         ),
         ("columns_export", &space, "export", &["rows.csv"]),
         (
@@ -1858,8 +1865,8 @@ fn problems_with_couples_are_exported() {
     assert_eq!(of(",couple,"), 13);
 }
 
-/// A plate on a block, and a bar through both, exported: the rows of the bar.
-fn exported_bar(name: &str, bar: &str) -> Vec<Vec<String>> {
+/// A plate on a block, and a member "bolt" through both, exported: the rows of the member.
+fn exported(name: &str, member: &str) -> Vec<Vec<String>> {
     let case = format!(
         r#"
 analysis = "plane-strain"
@@ -1877,12 +1884,9 @@ fix = [{{ side = "left", x = 0 }}]
 [[contact]]
 name = "joint"
 sides = ["plate.bottom", "block.top"]
-[[bar]]
+{member}
 name = "bolt"
 bodies = ["plate", "block"]
-young = 1e5
-area = 0.01
-{bar}
 "#
     );
     let run = Run::new(name, &case, "export", &["--out", "dual"]);
@@ -1892,6 +1896,29 @@ area = 0.01
     bolts
         .map(|line| line.split(',').map(str::to_string).collect())
         .collect()
+}
+
+const BAR: &str = "[[bar]]\nyoung = 1e5\narea = 0.01\n";
+
+#[test]
+fn springs_between_places_are_exported_as_such() {
+    // λ > 0 is tension from the beginning to the end, of one that presses alone compression and the other way round
+    for (acts, law, along) in [
+        ("both", "free", -1.0),
+        ("tension", "unilateral", -1.0),
+        ("compression", "unilateral", 1.0),
+    ] {
+        let spring = format!(
+            "[[spring]]\nstiffness = 1000\nfrom = [1.5, 1.75]\nto = [1.5, 0.25]\nacts = \"{acts}\""
+        );
+        let rows = exported(&format!("exported_spring_{acts}"), &spring);
+        let [row] = &rows[..] else {
+            panic!("one row for one element: {rows:?}");
+        };
+        assert_eq!([&row[2][..], &row[5][..]], [law, "spring between"]);
+        let found: [f64; 4] = [6, 7, 8, 9].map(|k| row[k].parse().unwrap());
+        assert_eq!(found, [1.5, 1.0, 0.0, along], "{row:?}");
+    }
 }
 
 #[test]
@@ -1906,9 +1933,9 @@ fn bars_are_exported_along_themselves_and_where_they_are() {
     ];
     for (name, key, law) in laws {
         for (way, ends, middle) in [("up", upright, [1.5, 1.0]), ("askew", oblique, [1.0, 1.0])] {
-            let rows = exported_bar(
+            let rows = exported(
                 &format!("exported_bar_{name}_{way}"),
-                &format!("{ends}\n{key}"),
+                &format!("{BAR}{ends}\n{key}"),
             );
             let [row] = &rows[..] else {
                 panic!("one row for one element: {rows:?}");
@@ -1932,9 +1959,9 @@ fn bars_are_exported_along_themselves_and_where_they_are() {
         }
     }
     // a grouted one has a row for each element, in their order
-    let rows = exported_bar(
+    let rows = exported(
         "exported_bar_grouted",
-        &format!("{upright}\nbond = \"grouted\""),
+        &format!("{BAR}{upright}\nbond = \"grouted\""),
     );
     assert!(rows.len() >= 8);
     let heights: Vec<f64> = rows.iter().map(|row| row[7].parse().unwrap()).collect();

@@ -12,8 +12,11 @@ import dotyk.examples
 from dotyk import _dotyk
 from dotyk._words import keyword_of
 
-#: Keys by table; of two with one name the first, that of a mesh.
+#: Keys by table; of two with one name the first, that of a mesh or of a body.
 KEYS = dict(reversed(_dotyk.keys()))
+
+#: Keys of members, by their lists.
+MEMBERS = {key: keys for key, _, keys in _dotyk.members()}
 
 #: Tables of the case file and the call whose keywords are their keys; keys that a call has elsewhere, with the place.
 CALLS = {
@@ -21,7 +24,6 @@ CALLS = {
     "material": (dotyk.Model.body, {"group": "in `material`, a list"}),
     "contact": (dotyk.Model.contact, {}),
     "section": (dotyk.Model.section, {}),
-    "bar": (dotyk.Model.bar, {}),
     "probe": (dotyk.Model.probe, {}),
     "step": (dotyk.Model.step, {}),
     "fix": (dotyk.Body.fix, {}),
@@ -38,7 +40,7 @@ CALLS = {
     "extrude": (dotyk.extrude, {}),
     "case": (
         dotyk.Model.__init__,
-        {key: "a call" for key in ("body", "contact", "section", "bar", "step", "probe", "solver")},
+        {key: "a call" for key in ("body", "contact", "section", *MEMBERS, "step", "probe", "solver")},
     ),
 }
 
@@ -51,8 +53,14 @@ def test_every_key_has_its_keyword(table):
     assert missing == []
 
 
+@pytest.mark.parametrize("kind", MEMBERS)
+def test_every_key_of_a_member_has_its_keyword(kind):
+    known = inspect.signature(getattr(dotyk.Model, kind)).parameters
+    assert [key for key in MEMBERS[kind] if keyword_of(key) not in known] == []
+
+
 def test_calls_for_lists_of_the_case_have_their_names():
-    for key in ("body", "contact", "section", "bar", "step", "probe"):
+    for key in ("body", "contact", "section", *MEMBERS, "step", "probe"):
         assert callable(getattr(dotyk.Model, key))
     for key in ("fix", "load", "spring", "couple", "body_force", "initial_stress", "initial_strain", "surface", "points"):
         assert callable(getattr(dotyk.Body, key))

@@ -25,6 +25,7 @@ def program() -> None:
     m.contact("g2", nonmortar="rock.hole", obstacle={"gap": lambda p, t: p[:, 0]}, friction={"coulomb": 0.3, "cohesion": 1.0})
     m.bar("b", from_=[0, 0], to=[1, 1], young=1.0, area=1.0, yield_=3.0)
     m.bar("b", **{"from": [0, 0], "to": [1, 1], "young": 1.0, "area": 1.0, "yield": 3.0})  # type: ignore[arg-type]
+    m.spring("k", from_=[0, 0], to=[1, 1], bodies=["rock"], stiffness=1.0, acts="compression", gap=0.1)
     m.section("s", body="rock", sides=["a", "b"], stations=8).probe("p", "rock.stress.xx", at=[0, 1]).step(0.5, name="a")
     s = m.solve(steps=[0.5, 1.0], method="newton", tolerance=1e-8, max_iterations=None, threads=None, callback=None)
     ok: bool = s.converged
@@ -54,7 +55,7 @@ def program() -> None:
     except dotyk.NotConverged as e:
         if e.solution is not None:
             print(e.solution.contacts, e.solution.failed_step)
-    print(s.bodies["rock"].reaction, s.contacts["g"].resultant, s.sections["s"], s.bars["b"].force, s.units, s.warnings[0], s.seconds["total"])
+    print(s.bodies["rock"].reaction, s.contacts["g"].resultant, s.sections["s"], s.bars["b"].force, s.springs["k"].force, s.units, s.warnings[0], s.seconds["total"])
     small = dotyk.examples.punch().solve()
     mesh = dotyk.rectangle([0, 0], [4, 1], cells=[80, 20]); dotyk.ring(1, 2, cells=[3, 4]); dotyk.extrude(mesh, height=1, layers=2)
     dotyk.rectangle(from_=[0, 0], to=[1, 1], cells=(1, 1)); dotyk.outline(size=1.0, from_=[0, 0], edges=[])

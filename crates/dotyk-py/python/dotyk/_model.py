@@ -38,7 +38,9 @@ if TYPE_CHECKING:
     Solver = Callable[[Problem], tuple[Any, Any]]
 
 #: Parts whose names no other part may have.
-_PARTS = ("body", "contact", "section", "bar")
+_PARTS = ("body", "contact", "section", *(key for key, *_ in _dotyk.members()))
+#: Lists of a case.
+_LISTS = (*_PARTS, "step", "probe")
 #: Keys of a material that a body may have itself.
 _MATERIAL = ("young", "poisson", "thickness", "strength", "plastic", "hardening", "dilation", "unload")
 #: What of a body others need to know when they are checked.
@@ -308,9 +310,7 @@ class Model:
         self._head: dict[str, Any] = {key: value for key, value in head.items() if value is not None}
         self._parameters: dict[str, Any] = taken(parameters or {})
         self._drawing = taken(drawing)
-        self._lists: dict[str, list[dict[str, Any]]] = {
-            key: [] for key in ("body", "contact", "section", "bar", "step", "probe")
-        }
+        self._lists: dict[str, list[dict[str, Any]]] = {key: [] for key in _LISTS}
         self._solver: dict[str, Any] = {}
         self._name, self._folder = "model", os.getcwd()
         self._solves = _Solves()
@@ -335,8 +335,7 @@ class Model:
         model._head = {key: table[key] for key in ("title", "source", "analysis", "units") if key in table}
         model._parameters = {**table.get("parameters", {}), **(parameters or {})}
         model._drawing = table.get("drawing")
-        lists = ("body", "contact", "section", "bar", "step", "probe")
-        model._lists = {key: list(table.get(key, [])) for key in lists}
+        model._lists = {key: list(table.get(key, [])) for key in _LISTS}
         model._solver = table.get("solver", {})
         model._folder = os.path.dirname(os.path.abspath(file))
         model._name = os.path.basename(file)
@@ -504,6 +503,32 @@ class Model:
         return self._add("bar", locals())
 
     @keywords
+    def spring(
+        self,
+        name: str,
+        from_: Any,
+        to: Any,
+        stiffness: float | str,
+        bodies: Sequence[str] | None = None,
+        acts: str | None = None,
+        gap: float | str | None = None,
+        spacing: float | str | None = None,
+        radius: float | str | None = None,
+        active: Table | None = None,
+    ) -> Model:
+        """Adds a spring between two points or sides; ``acts`` is ``"both"``, ``"tension"`` or ``"compression"``, with a ``gap``.
+
+        Springs that hold a body, and have no other end, are :meth:`Body.spring`.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> _ = m.body("low", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1e9, poisson=0.3)
+        >>> _ = m.body("up", dotyk.rectangle([0, 2], [4, 3], cells=[4, 1]), young=1e9, poisson=0.3)
+        >>> _ = m.spring("buffer", from_=[2, 1], to=[2, 2], bodies=["low", "up"], stiffness=1e6, acts="compression", gap=0.01)
+        """
+        return self._add("spring", locals())
+
+    @keywords
     def probe(
         self,
         name: str,
@@ -542,7 +567,7 @@ class Model:
         text_of(entry.get("name"), "name")
         self._unused(kind, entry["name"])
         bodies = [{key: value for key, value in body.items() if key in _BASE} for body in self._lists["body"]]
-        known = ("contact", "section", "bar") if kind == "probe" else ()
+        known = _PARTS[1:] if kind == "probe" else ()
         document = {"body": bodies, **{other: self._lists[other] for other in known}, kind: [entry]}
         self._try(document)
         self._lists[kind].append(entry)
@@ -681,7 +706,8 @@ class Model:
     def __repr__(self) -> str:
         title = self._head.get("title")
         parts = [str(self._head.get("analysis"))]
-        for kind, word in (("body", "bodies"), ("contact", "contacts"), ("bar", "bars"), ("section", "sections")):
+        members = ((key, plural) for key, plural, _ in _dotyk.members())
+        for kind, word in (("body", "bodies"), ("contact", "contacts"), *members, ("section", "sections")):
             if self._lists[kind]:
                 parts.append(f"{word} {', '.join(str(entry['name']) for entry in self._lists[kind])}")
         return f"<dotyk.Model{' ' + title if title else ''}: {', '.join(parts)}>"

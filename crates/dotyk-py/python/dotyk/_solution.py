@@ -693,6 +693,7 @@ class Solution(_Frozen):
     bodies: Named[BodySolution]
     probes: Named[ProbeValue]
     bars: Named[Any]
+    springs: Named[Any]
     sections: Named[Any]
     warnings: list[str]
     #: The step that has no answer, with its number, time and reason; ``None`` where all have one.
@@ -743,8 +744,9 @@ class Solution(_Frozen):
             },
         )
         own["probes"] = Named("probe", {p["name"]: ProbeValue._of(p) for p in table["probes"]})
-        for kind in ("bars", "sections"):
-            own[kind] = Named(kind[:-1], {entry["name"]: _Frozen(entry) for entry in table.get(kind, [])})
+        members = ((key, plural) for key, plural, _ in _dotyk.members())
+        for word, kind in (*members, ("section", "sections")):
+            own[kind] = Named(word, {entry["name"]: _Frozen(entry) for entry in table.get(kind, [])})
         for key, value in own.items():
             object.__setattr__(self, key, value)
         for body in own["bodies"].values():

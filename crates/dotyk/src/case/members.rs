@@ -1,6 +1,7 @@
 //! Members of a case file: the readers of all kinds, and what they share, a line from one place to another.
 
 mod bar;
+mod spring;
 
 use crate::case::contact::side_ref;
 use crate::case::document::{Node, Table, Value, later, name};
@@ -25,6 +26,7 @@ macro_rules! readers {
 
 readers! {
     bar::Bar
+    spring::SpringBetween
 }
 
 /// All members of a case, kind by kind, each with where it stands.

@@ -7,7 +7,7 @@ use dotyk::case::{Case, CaseError};
 use dotyk::geometry::Field;
 use dotyk::model::{BodyId, BodySolution, Load, MemberSolution, Model, Solution};
 
-fn solved(text: &str) -> (Model<2>, Vec<Solution<2>>) {
+pub fn solved(text: &str) -> (Model<2>, Vec<Solution<2>>) {
     let model = Case::<2>::from_str(text, "links.toml", "".as_ref())
         .unwrap()
         .model;
@@ -16,7 +16,7 @@ fn solved(text: &str) -> (Model<2>, Vec<Solution<2>>) {
     (model, steps)
 }
 
-fn refused(text: &str) -> CaseError {
+pub fn refused(text: &str) -> CaseError {
     match Case::<2>::from_str(text, "links.toml", "".as_ref()) {
         Ok(case) => {
             let error = case.model.solve_steps().unwrap_err();
@@ -26,7 +26,7 @@ fn refused(text: &str) -> CaseError {
     }
 }
 
-fn near(found: f64, expected: f64, tolerance: f64) {
+pub fn near(found: f64, expected: f64, tolerance: f64) {
     let off = (found - expected).abs();
     assert!(
         off <= tolerance * expected.abs().max(1.0),
@@ -44,7 +44,7 @@ fn bar<'s>(solution: &'s Solution<2>, name: &str) -> &'s MemberSolution<2> {
 }
 
 /// A stiff block of 2 × 1 with these keys.
-fn block(name: &str, from: [f64; 2], keys: &str) -> String {
+pub fn block(name: &str, from: [f64; 2], keys: &str) -> String {
     let [x, y] = from;
     let (right, top) = (x + 2.0, y + 1.0);
     format!(
@@ -54,12 +54,12 @@ fn block(name: &str, from: [f64; 2], keys: &str) -> String {
     )
 }
 
-fn steps(times: &[f64]) -> String {
+pub fn steps(times: &[f64]) -> String {
     let each = times.iter().map(|t| format!("[[step]]\ntime = {t}\n"));
     each.collect()
 }
 
-const PLANE: &str = "title = \"Links\"\nanalysis = \"plane-stress\"\n";
+pub const PLANE: &str = "title = \"Links\"\nanalysis = \"plane-stress\"\n";
 
 /// k · area · u = load, in both directions, with thickness; and nothing floats.
 #[test]

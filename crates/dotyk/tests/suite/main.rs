@@ -21,6 +21,7 @@ mod levels;
 mod lines;
 mod links;
 mod locking;
+mod members;
 mod mindlin;
 mod mortar;
 mod names;

@@ -1,8 +1,10 @@
 //! All kinds of members, each a file of `members/` and a line of the table below.
 
 mod bar;
+mod spring;
 
 pub use bar::*;
+pub use spring::*;
 
 use crate::fem::Active;
 use crate::model::nouns::member::{Line, MemberWords, Pull};
@@ -73,4 +75,5 @@ macro_rules! kinds {
 
 kinds! {
     bar::Bar
+    spring::SpringBetween
 }

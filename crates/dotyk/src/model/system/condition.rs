@@ -404,14 +404,13 @@ pub(crate) fn initial_gaps<const D: usize>(conditions: &[Condition<D>]) -> Vec<f
 /// The same without shears: the distance to the contacts that may hold a body; infinite in tangential rows, whose gap is a slip.
 pub(crate) fn clearances<const D: usize>(conditions: &[Condition<D>]) -> Vec<f64> {
     let of_condition = |condition: &Condition<D>| {
-        let both = condition.gaps().into_iter().zip(condition.slides());
-        let far = |(gap, slides)| match (condition.elastic.is_some(), slides) {
-            // a link is connected already
-            (true, _) => 0.0,
-            (false, true) => f64::INFINITY,
-            (false, false) => gap,
+        let gaps = match condition.elastic {
+            // wherever a link came, its play alone is between it and a force
+            Some(_) => return condition.interface.gaps(),
+            None => condition.gaps().into_iter(),
         };
-        both.map(far).collect::<Vec<_>>()
+        let far = |(gap, slides)| if slides { f64::INFINITY } else { gap };
+        gaps.zip(condition.slides()).map(far).collect()
     };
     conditions.iter().flat_map(of_condition).collect()
 }
