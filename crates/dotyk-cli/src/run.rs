@@ -406,8 +406,11 @@ fn members<const D: usize>(solution: &Solution<D>) -> String {
     };
     let tables = solution.members_by_kind().map(|(kind, members)| {
         let rows: Vec<Vec<String>> = members.into_iter().map(row).collect();
-        let header = [kind.words[0], "length", "least N", "largest N", ""];
-        columns(&header, &rows, 1..4)
+        columns(
+            &[kind.key, "length", "least N", "largest N", ""],
+            &rows,
+            1..4,
+        )
     });
     tables.collect::<Vec<String>>().join("\n")
 }

@@ -1,4 +1,4 @@
-//! Members of a case file: the readers of all kinds, and what they share, a line from one place to another.
+//! Members of a case file: the readers of all kinds, and of the line that all of them have.
 
 mod bar;
 mod spring;
@@ -18,7 +18,7 @@ macro_rules! readers {
         /// The keys of each kind, in the order of [`MemberKind::ALL`].
         pub(crate) const KEYS: [&[&str]; MemberKind::ALL.len()] = [$($file::KEYS,)*];
 
-        /// How one of each kind pulls.
+        /// The law of a member of each kind.
         const READERS: [fn(Table<'_>, &str) -> Result<MemberKind, Fault>; KEYS.len()] =
             [$(|table, what| $file::read(table, what).map(MemberKind::$kind),)*];
     };
@@ -29,7 +29,7 @@ readers! {
     spring::SpringBetween
 }
 
-/// All members of a case, kind by kind, each with where it stands.
+/// All members of a case, kind by kind, each with its node.
 pub(crate) fn members<'n, const D: usize>(
     case: Table<'n>,
     bodies: &mut [Body<D>],
@@ -40,11 +40,13 @@ pub(crate) fn members<'n, const D: usize>(
     for ((kind, keys), read) in MemberKind::ALL.iter().zip(KEYS).zip(READERS) {
         for node in case.list(kind.key)? {
             let table = node.table(keys)?;
-            let [word, _] = kind.words;
-            let name = name(table.require("name", &format!("a {word}"))?)?;
-            let what = format!("{word} `{name}`");
+            let name = name(table.require("name", &format!("a {}", kind.key))?)?;
+            let what = format!("{} `{name}`", kind.key);
             if analysis == Analysis::Axisymmetric {
-                return Err(later(table.span, &format!("a {word} with axial symmetry")));
+                return Err(later(
+                    table.span,
+                    &format!("a {} with axial symmetry", kind.key),
+                ));
             }
             let active = steps.active(table)?;
             let member = Member {
@@ -59,7 +61,7 @@ pub(crate) fn members<'n, const D: usize>(
     Ok(members)
 }
 
-/// A positive number of a key, where it is given.
+/// The positive number of a key; `None` without the key.
 pub(crate) fn positive(table: Table<'_>, key: &str) -> Result<Option<f64>, Fault> {
     let node = table.get(key);
     node.map(|node| node.positive(&format!("`{key}`")))
@@ -68,16 +70,18 @@ pub(crate) fn positive(table: Table<'_>, key: &str) -> Result<Option<f64>, Fault
 
 const BONDS: [(&str, Bond); 2] = [("ends", Bond::Ends), ("grouted", Bond::Grouted)];
 
-/// Where a member runs; a kind without the key `bond` is held at its ends.
+/// The line of a member; a kind without the key `bond` is held at its ends.
 fn line<const D: usize>(
     table: Table<'_>,
     (kind, what): (&MemberWords, &str),
     bodies: &mut [Body<D>],
 ) -> Result<Line<D>, Fault> {
-    let [word, several] = kind.words;
+    let MemberWords {
+        key: word, plural, ..
+    } = kind;
     let (spacing, radius) = (positive(table, "spacing")?, positive(table, "radius")?);
     if let (3, Some(entry)) = (D, table.entry("spacing")) {
-        let message = format!("`spacing` is the distance of {several} across a plane model");
+        let message = format!("`spacing` is the distance of {plural} across a plane model");
         return Err(Fault::new(&entry.key_span, message)
             .label("not in space")
             .help(format!("in space each {word} is there by itself")));
@@ -160,16 +164,12 @@ fn bodies_of<const D: usize>(
     Ok(found)
 }
 
-/// What is wrong with a member in its place, where it is written.
+/// An error of a member in the model, at its place in the text.
 pub(crate) fn fault<const D: usize>(error: &MemberError, node: &Node, member: &Member<D>) -> Fault {
     let mut entries = node.entries().unwrap_or_default().iter();
     let entry = entries.find(|entry| entry.key == error.key);
     let span = entry.map_or(&node.span, |entry| &entry.node.span);
-    let message = format!(
-        "{} `{}`: {error}",
-        member.kind.words().words[0],
-        member.name
-    );
+    let message = format!("{} `{}`: {error}", member.kind.words().key, member.name);
     let fault = Fault::new(span, message).label(error.label.as_str());
     match error.help {
         "" => fault,

@@ -44,7 +44,7 @@ use crate::case::mesh::Generated;
 use crate::case::mesh_file::MeshFiles;
 use crate::case::source::{Source, analysis};
 use crate::case::steps::Steps;
-use crate::case::suggest::{listed, told};
+use crate::case::suggest::listed;
 use crate::host::free_memory;
 use crate::mesh::Mesh;
 use crate::model::{
@@ -259,7 +259,7 @@ impl<const D: usize> Case<D> {
                     Subject::Body(_) => "this body".to_string(),
                     Subject::Contact(_) => "this contact".to_string(),
                     Subject::Section(_) => "this section".to_string(),
-                    Subject::Member(kind, _) => format!("this {}", kind.words[0]),
+                    Subject::Member(kind, _) => format!("this {}", kind.key),
                     Subject::Probe(_) => "here".to_string(),
                 };
                 Fault::new(span, message)
@@ -361,7 +361,7 @@ where
         (sections, ["section", "sections"]),
     ];
     for kind in MemberKind::ALL {
-        named.push((table.list(kind.key)?, kind.words));
+        named.push((table.list(kind.key)?, [kind.key, kind.plural]));
     }
     own_names(&named)?;
     names_of_files(bodies)?;
@@ -507,7 +507,7 @@ fn own_names(lists: &[(&[Node], [&str; 2])]) -> Result<(), Fault> {
             let parts: Vec<&str> = lists.iter().map(|(_, words)| words[1]).collect();
             let help = format!(
                 "names of {} are unique together: quantities of probes begin with them",
-                told(&parts)
+                crate::model::listed(&parts, "and")
             );
             return Err(Fault::new(span, message)
                 .label("second use of the name")

@@ -107,17 +107,6 @@ pub fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     quoted.join(", ")
 }
 
-/// Words in a sentence: a, b and c.
-pub fn told<'a>(words: &[&'a str]) -> String {
-    match words {
-        [before @ .., one, last] => {
-            let before: String = before.iter().map(|word| format!("{word}, ")).collect();
-            format!("{before}{one} and {last}")
-        }
-        few => few.concat(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

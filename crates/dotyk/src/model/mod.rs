@@ -43,7 +43,7 @@ pub use nouns::section::{
     Section, SectionError, SectionQuantity, SectionSolution, Station, Stations,
 };
 pub use nouns::solution::*;
-pub(crate) use nouns::told::told_in_steps;
+pub(crate) use nouns::told::{listed, told_in_steps};
 pub(crate) use read::on_side::OnSide;
 pub(crate) use read::probe::read_probe;
 pub use read::remarks::ContactCheck;

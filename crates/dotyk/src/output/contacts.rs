@@ -1,7 +1,7 @@
 //! Sections of the report on contacts: their forces, the balance of the bodies, and their nodes.
 
 use crate::geometry::{Point, add_scaled, norm, sub};
-use crate::model::{Analysis, ContactNode, ContactSolution, Model, Solution, Status};
+use crate::model::{Analysis, ContactNode, ContactSolution, Model, Solution, Status, listed};
 use crate::output::chain::along_tangent;
 use crate::output::figures::Figures;
 use crate::output::html::{column, left, marked, plain, table, text};
@@ -161,17 +161,10 @@ pub fn balance<const D: usize>(
         true => "reaction of its supports and springs",
         false => "reaction of its supports",
     };
-    let members: Vec<&str> = solution
-        .members_by_kind()
-        .map(|(kind, _)| kind.apart[1])
-        .collect();
-    let touching = match members[..] {
-        [] => "force of its contacts".to_string(),
-        [ref before @ .., last] => {
-            let before: String = before.iter().map(|word| format!(", {word}")).collect();
-            format!("force of its contacts{before} and {last}")
-        }
-    };
+    let members = solution.members_by_kind();
+    let members = members.map(|(kind, _)| kind.apart_plural);
+    let touching: Vec<&str> = ["contacts"].into_iter().chain(members).collect();
+    let touching = format!("force of its {}", listed(&touching, "and"));
     let heads = [
         left("body"),
         column(held, &labels.force),

@@ -25,13 +25,13 @@ pub fn member_sections<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -
 type OfKind<'a, const D: usize> = (MemberWords, Vec<&'a Member<D>>);
 
 fn section<const D: usize>(run: &Overview<'_, D>, of: &OfKind<'_, D>, labels: &Labels) -> Markup {
-    let [word, several] = of.0.words;
-    let (first, rest) = several.split_at(1);
+    let MemberWords { key, plural, .. } = of.0;
+    let (first, rest) = plural.split_at(1);
     let mut out = markup!(
         "<h2>{}{}</h2>\n<p>Forces of one {}, tension positive.</p>\n",
         first.to_uppercase(),
         rest,
-        word
+        key
     );
     out += forces(run, of, labels);
     if run.earlier.is_empty() {
@@ -40,9 +40,9 @@ fn section<const D: usize>(run: &Overview<'_, D>, of: &OfKind<'_, D>, labels: &L
     let svg = over_steps(run, of, labels);
     out += figure(
         &svg,
-        &format!("Forces of the {several} over the load steps"),
+        &format!("Forces of the {plural} over the load steps"),
         &format!(
-            "The force of the largest magnitude of each {word} against the time t of the steps."
+            "The force of the largest magnitude of each {key} against the time t of the steps."
         ),
     );
     out + along(run, of, labels)
@@ -71,7 +71,7 @@ fn forces<const D: usize>(
 ) -> Markup {
     let several = !run.earlier.is_empty();
     let mut heads: Vec<Head> = vec![
-        left(kind.words[0]),
+        left(kind.key),
         left(kind.choice),
         column("length", &labels.length),
         column("least N", &labels.force),
@@ -156,7 +156,7 @@ fn over_steps<const D: usize>(
     let values: Vec<f64> = curves.iter().flatten().map(|point| point[1]).collect();
     let mut svg = Svg::new(
         kind.plural,
-        &format!("Forces of the {} over the load steps", kind.words[1]),
+        &format!("Forces of the {} over the load steps", kind.plural),
         WIDTH,
         300.0,
     );
@@ -215,7 +215,7 @@ fn along<const D: usize>(
         );
         let caption = format!(
             "Along the {}; s counts from its beginning. One force for each element, drawn at its middle.",
-            kind.words[0]
+            kind.key
         );
         figure(&svg, &member.name, &caption)
     };
@@ -225,7 +225,7 @@ fn along<const D: usize>(
         out += markup!(
             "<p>{} more grouted {}: {}.csv.</p>\n",
             count(left_out),
-            kind.words[1],
+            kind.plural,
             kind.plural
         );
     }

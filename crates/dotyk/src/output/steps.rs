@@ -71,7 +71,7 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> Markup {
         left("bodies"),
         left("contacts"),
     ];
-    heads.extend(kinds.iter().map(|kind| left(kind.words[1])));
+    heads.extend(kinds.iter().map(|kind| left(kind.plural)));
     let both = || run.steps().zip(&run.stages).enumerate();
     let row = |(step, (solution, stage)): (usize, (&Solution<D>, &Cow<'_, Model<D>>))| {
         let bodies: Vec<&str> = stage.bodies.iter().map(|body| body.name.as_str()).collect();

@@ -21,7 +21,7 @@ pub(crate) const KEYS: &[&str] = &[
     "active",
 ];
 
-/// How one pulls.
+/// The law of a bar.
 pub(crate) fn read(table: Table<'_>, what: &str) -> Result<Bar, Fault> {
     let required = |key: &str| table.require(key, what)?.positive(&format!("`{key}`"));
     let (young, area) = (required("young")?, required("area")?);

@@ -17,7 +17,7 @@ pub(crate) const KEYS: &[&str] = &[
     "active",
 ];
 
-/// How one pulls.
+/// The law of a spring.
 pub(crate) fn read(table: Table<'_>, what: &str) -> Result<SpringBetween, Fault> {
     let stiffness = table.require("stiffness", what)?;
     let known = Acts::ALL.map(|acts| (acts.name(), acts));

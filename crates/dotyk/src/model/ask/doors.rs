@@ -290,7 +290,7 @@ impl<const D: usize> Model<D> {
         let sections = self.sections.iter();
         let sections = sections.map(|section| ("section", &section.name));
         let members = self.members.iter();
-        let members = members.map(|member| (member.kind.words().words[0], &member.name));
+        let members = members.map(|member| (member.kind.words().key, &member.name));
         let mut seen = BTreeSet::new();
         match bodies
             .chain(contacts)

@@ -98,7 +98,7 @@ impl<const D: usize> Dual<D> {
         match self.condensed.conditions[unknown.contact].source {
             Source::Contact(_) => components[unknown.component],
             Source::Of(Owner::Bed(..)) => "spring",
-            Source::Of(Owner::Member(of)) => self.stage.model.members[of].kind.words().apart[0],
+            Source::Of(Owner::Member(of)) => self.stage.model.members[of].kind.words().apart,
             Source::Of(other) => other.kind(&self.stage.model),
         }
     }

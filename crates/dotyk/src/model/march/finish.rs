@@ -9,7 +9,7 @@ use crate::model::nouns::members::Member;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::*;
-use crate::model::nouns::told::named;
+use crate::model::nouns::told::{listed, named};
 use crate::model::read::assumptions::beyond;
 use crate::model::read::fields::fields;
 use crate::model::read::probe::read_probes;
@@ -64,14 +64,14 @@ pub(crate) fn finish<const D: usize>(
         };
         let mut several: Vec<&str> = Vec::new();
         for member in model.members.iter().filter(hangs) {
-            let own = member.kind.words().apart[1];
+            let own = member.kind.words().apart_plural;
             several.extend((!several.contains(&own)).then_some(own));
         }
         let why = match &several[..] {
             [] => "it touches nothing and carries no load".to_string(),
             all => format!(
                 "nothing but {} holds it, which leave it free to move, and no load moves it so",
-                all.join(" and ")
+                listed(all, "and")
             ),
         };
         warnings.push(format!(

@@ -13,6 +13,7 @@ use crate::model::nouns::members::MemberKind;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::section::SectionError;
 use crate::model::nouns::solution::Solution;
+use crate::model::nouns::told::listed;
 use crate::solve::SolveError;
 use std::fmt;
 
@@ -27,12 +28,12 @@ pub enum Subject {
     Probe(String),
     /// A section.
     Section(String),
-    /// A member, after its kind.
+    /// A member, with the words for its kind.
     Member(MemberWords, String),
 }
 
 impl Subject {
-    /// Its name.
+    /// The name of the part.
     pub fn name(&self) -> &str {
         match self {
             Self::Body(name)
@@ -44,14 +45,14 @@ impl Subject {
     }
 }
 
-/// The parts whose names are unique together, in words.
+/// The parts with unique names, in words.
 fn named_parts() -> String {
-    let members = MemberKind::ALL.iter().map(|kind| kind.words[1]);
-    let parts: Vec<&str> = ["bodies", "contacts", "sections"]
+    let members = MemberKind::ALL.iter().map(|kind| kind.plural);
+    let parts = ["bodies", "contacts", "sections"]
         .into_iter()
-        .chain(members)
-        .collect();
-    parts.join(", ")
+        .chain(members);
+    let parts: Vec<&str> = parts.chain(["coupled points"]).collect();
+    listed(&parts, "and")
 }
 
 /// An error of the whole model: it names body, contact, side or node and says what to do.
@@ -82,7 +83,7 @@ pub enum Error<const D: usize> {
     NothingLeft(usize),
     /// Two parts have one name.
     #[error(
-        "two parts of the model are named \"{name}\": {} and coupled points need names of their own; rename the {kind}",
+        "two parts of the model are named \"{name}\": {} need names of their own; rename the {kind}",
         named_parts()
     )]
     SameName {
@@ -229,7 +230,7 @@ pub enum Error<const D: usize> {
         source: LinalgError,
     },
     /// A member cannot be laid.
-    #[error("{} \"{name}\": {source}", kind.words[0])]
+    #[error("{} \"{name}\": {source}", kind.key)]
     Member {
         /// Its kind.
         kind: MemberWords,

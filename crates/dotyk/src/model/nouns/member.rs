@@ -1,4 +1,4 @@
-//! Members: what connects points of bodies by forces along itself. Here is what all kinds share; a kind is a file of `members/`.
+//! Members: connections of points of bodies by forces along a line. Common data of all kinds; each kind is a file of `members/`.
 //!
 //! A member is a chain of elements between points that move with the bodies. With its direction t, the displacement u_k of its k-th
 //! point and the stiffness k_k of its elements, element k pulls its ends together by
@@ -20,7 +20,7 @@ use crate::dual::Block;
 use crate::geometry::Point;
 use crate::model::nouns::ids::{BodyId, SideRef};
 
-/// Where a member runs, and how it is connected to the bodies there.
+/// The line of a member and its connection to the bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line<const D: usize> {
     /// Where it begins and ends.
@@ -63,7 +63,7 @@ impl Bond {
         }
     }
 
-    /// The same in a legend.
+    /// The words in a legend.
     pub fn held(self) -> &'static str {
         match self {
             Self::Ends => "held at its ends",
@@ -73,7 +73,7 @@ impl Bond {
 }
 
 impl<const D: usize> Line<D> {
-    /// Between two places of some bodies, held there, one in the thickness.
+    /// A line between two places, held at its ends, one in the thickness.
     pub fn new(ends: [MemberEnd<D>; 2], bodies: &[BodyId]) -> Self {
         Self {
             ends,
@@ -84,13 +84,13 @@ impl<const D: usize> Line<D> {
         }
     }
 
-    /// Whether one of its ends is at a point.
+    /// One of the ends is at a point.
     pub fn ends_at_points(&self) -> bool {
         let mut ends = self.ends.iter();
         ends.any(|end| matches!(end, MemberEnd::Point(_)))
     }
 
-    /// All bodies that it touches.
+    /// All touched bodies.
     pub fn touched(&self) -> impl Iterator<Item = BodyId> {
         let sides = self.ends.iter().filter_map(|end| match end {
             MemberEnd::Side(side) => Some(side.body),
@@ -102,66 +102,66 @@ impl<const D: usize> Line<D> {
     }
 }
 
-/// What a kind of members is called.
+/// Words for a kind of members.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MemberWords {
-    /// Its key in a case file.
+    /// The key in a case file, and the word for one in messages.
     pub key: &'static str,
-    /// Its key in results.
+    /// The key in results, and the word for several in messages.
     pub plural: &'static str,
-    /// In messages, of one and of several.
-    pub words: [&'static str; 2],
-    /// The same where springs of bodies are told, too.
-    pub apart: [&'static str; 2],
-    /// What one of it may choose, which the report tells.
+    /// The word for one beside springs of bodies.
+    pub apart: &'static str,
+    /// The word for several beside springs of bodies.
+    pub apart_plural: &'static str,
+    /// The key of a choice, shown in the report.
     pub choice: &'static str,
 }
 
-/// A kind of members: how one pulls.
+/// The law of a kind of members.
 pub(crate) trait Pull {
-    /// Errors: a number out of its range, or a bond that it cannot have.
+    /// Errors: a number out of its range, or a bond that this kind does not have.
     fn check(&self, bond: Bond) -> Result<(), MemberError>;
 
-    /// Stiffness of an element of this length of `count` of them.
+    /// Stiffness of `count` members in an element of this length.
     fn stiffness(&self, count: f64, length: f64) -> f64;
 
-    /// The law of an element of `count` of them.
+    /// Forces of `count` members in an element.
     fn law(&self, count: f64) -> PullLaw;
 
-    /// Its choice, in a word.
+    /// The choice in a word.
     fn chosen(&self, bond: Bond) -> &'static str;
 
-    /// The force with which it pulls in the step in which it comes; `None`: it comes without a force.
+    /// The force in the step in which the member comes; `None`: no force.
     fn prestress(&self) -> Option<f64> {
         None
     }
 
-    /// The largest force that it bears.
+    /// The largest force of one member.
     fn strength(&self) -> Option<f64> {
         None
     }
 
-    /// Its strength in words, alone and beside friction, where it may be exhausted.
+    /// The strength in words, alone and beside friction; `None` without a strength.
     fn exhausted(&self) -> Option<[&'static str; 2]> {
         None
     }
 
-    /// Its slip is a plastic elongation, which only grows; slackness is not part of it.
+    /// The slip is a plastic elongation that only grows, without the slackness.
     fn slackens(&self) -> bool {
         false
     }
 }
 
-/// The forces that an element bears.
+/// Forces of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct PullLaw {
     /// 1: λ is tension, and e an elongation; −1: compression, and e a shortening.
     pub sign: f64,
     /// Of λ besides the offset.
     pub block: Block,
-    /// The force from which its λ counts.
+    /// The force at λ = 0.
     pub offset: f64,
-    /// Play: e from which on it bears a force.
+    /// Play: the largest e without a force.
     pub gap: f64,
 }
 
@@ -169,18 +169,18 @@ pub(crate) struct PullLaw {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{message}")]
 pub struct MemberError {
-    /// The key of the case file at which it is wrong; empty: the whole member.
+    /// The wrong key of the case file; empty: the whole member.
     pub key: &'static str,
-    /// What is wrong, with the number or the place.
+    /// The message, with the number or the place.
     pub message: String,
-    /// The same in a few words, at its place.
+    /// A few words at the place.
     pub label: String,
-    /// What to do; may be empty.
+    /// Advice; may be empty.
     pub help: &'static str,
 }
 
 impl MemberError {
-    /// With a message, a label and what to do.
+    /// An error at a key, with message, label and advice.
     pub(crate) fn new(
         key: &'static str,
         message: impl Into<String>,
@@ -215,7 +215,7 @@ impl MemberError {
 pub struct MemberSolution<const D: usize> {
     /// Its name.
     pub name: String,
-    /// Its kind.
+    /// The words for its kind.
     pub kind: MemberWords,
     /// From its beginning to its end.
     pub length: f64,

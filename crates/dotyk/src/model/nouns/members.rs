@@ -9,14 +9,14 @@ pub use spring::*;
 use crate::fem::Active;
 use crate::model::nouns::member::{Line, MemberWords, Pull};
 
-/// What connects points of bodies by forces along itself: bolts, anchors, ties, springs.
+/// A connection of points of bodies by forces along a line: a bolt, an anchor, a tie, a spring.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Member<const D: usize> {
     /// Unique name.
     pub name: String,
-    /// Where it runs.
+    /// The places that it connects.
     pub line: Line<D>,
-    /// How it pulls.
+    /// Its law.
     pub kind: MemberKind,
     /// When it is there, as long as its bodies are.
     pub active: Active,
@@ -34,11 +34,11 @@ impl<const D: usize> Member<D> {
     }
 }
 
-/// The members of each kind that there is, in the order of all kinds.
-pub(crate) fn by_kind<'a, T>(
-    members: &'a [T],
+/// The members of each kind with at least one, in the order of all kinds.
+pub(crate) fn by_kind<T>(
+    members: &[T],
     kind: impl Fn(&T) -> MemberWords,
-) -> impl Iterator<Item = (MemberWords, Vec<&'a T>)> {
+) -> impl Iterator<Item = (MemberWords, Vec<&T>)> {
     let of_kind = move |words: &MemberWords| {
         let own = members.iter().filter(|member| kind(member) == *words);
         (*words, own.collect::<Vec<_>>())
@@ -57,15 +57,15 @@ macro_rules! kinds {
         )*}
 
         impl MemberKind {
-            /// What all kinds are called, in the order in which case files are read and results written.
+            /// The words for all kinds, in the order of case files and results.
             pub const ALL: &[MemberWords] = &[$($file::WORDS,)*];
 
-            /// What it is called.
+            /// The words for its kind.
             pub fn words(&self) -> MemberWords {
                 match self {$(Self::$kind(_) => $file::WORDS,)*}
             }
 
-            /// How it pulls.
+            /// Its law.
             pub(crate) fn pull(&self) -> &dyn Pull {
                 match self {$(Self::$kind(own) => own,)*}
             }

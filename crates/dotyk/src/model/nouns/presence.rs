@@ -342,7 +342,7 @@ impl<const D: usize> Model<D> {
         for (index, member) in self.members.iter().enumerate() {
             if !all.iter().any(|there| there.members[index]) {
                 let kind = member.kind.words();
-                return never(kind.words[0], Subject::Member(kind, member.name.clone()));
+                return never(kind.key, Subject::Member(kind, member.name.clone()));
             }
         }
         if let Some(step) = all.iter().position(|there| !there.bodies.contains(&true)) {

@@ -17,6 +17,7 @@ use crate::model::nouns::field::{FieldKind, Shape};
 use crate::model::nouns::member::MemberWords;
 use crate::model::nouns::members::{Member, MemberKind};
 use crate::model::nouns::section::SectionQuantity;
+use crate::model::nouns::told::listed;
 use std::borrow::Cow;
 use std::fmt;
 use std::ops::Range;
@@ -266,10 +267,9 @@ impl Quantity {
                 let has = |kind: &&MemberWords| members.iter().any(|m| m.kind.words() == **kind);
                 let kinds = MemberKind::ALL.iter().filter(has);
                 let section = (!sections.is_empty()).then_some("section");
-                let more = section.into_iter().chain(kinds.map(|kind| kind.words[0]));
+                let more = section.into_iter().chain(kinds.map(|kind| kind.key));
                 let what: Vec<&str> = ["body", "contact"].into_iter().chain(more).collect();
-                let (last, before) = what.split_last().unwrap_or((&"", &[]));
-                let what = format!("{} or {last}", before.join(", "));
+                let what = listed(&what, "or");
                 return Err(words.mistake(Mistake::Unknown(what.into()), 0, bodies.chain(others)));
             }
         };
@@ -601,7 +601,7 @@ fn of_member(words: &Words<'_>, member: usize, kind: MemberWords) -> Result<Part
         [FORCE] => Ok(Parts::Member(member)),
         [FORCE, ..] => Err(words.mistake(Mistake::TooLong, 1, [])),
         _ => {
-            let what = format!("quantity of a {}", kind.words[0]);
+            let what = format!("quantity of a {}", kind.key);
             Err(words.mistake(Mistake::Unknown(what.into()), 1, [FORCE]))
         }
     }

@@ -206,6 +206,17 @@ fn leading_number(text: &str) -> Option<(f64, usize)> {
 /// Most contacts that a warning names.
 pub(crate) const NAMED: usize = 4;
 
+/// Words in a sentence: a, b and c; `last` is the word before the last one.
+pub(crate) fn listed(words: &[&str], last: &str) -> String {
+    match words {
+        [before @ .., one, end] => {
+            let before: String = before.iter().map(|word| format!("{word}, ")).collect();
+            format!("{before}{one} {last} {end}")
+        }
+        few => few.concat(),
+    }
+}
+
 /// Some names in quotes: the first ones, and how many more there are.
 pub(crate) fn named<'a>(names: impl ExactSizeIterator<Item = &'a str>) -> String {
     let more = match names.len().saturating_sub(NAMED) {

@@ -5,7 +5,7 @@ use crate::geometry::{Point, add_scaled, distance, dot, sub};
 use crate::mesh::{Located, locate_all};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
-use crate::model::nouns::member::{Bond, MemberEnd, MemberError};
+use crate::model::nouns::member::{Bond, MemberEnd, MemberError, MemberWords};
 use crate::model::nouns::members::Member;
 use crate::model::nouns::model::Model;
 use std::collections::BTreeMap;
@@ -73,22 +73,22 @@ impl<const D: usize> Member<D> {
     ///
     /// Errors: what is wrong with it.
     pub(crate) fn lay(&self, model: &Model<D>) -> Result<LaidMember<D>, MemberError> {
-        let (line, [word, several]) = (&self.line, self.kind.words().words);
+        let (line, MemberWords { key, plural, .. }) = (&self.line, self.kind.words());
         self.kind.pull().check(line.bond)?;
-        for (key, value) in [("spacing", line.spacing), ("radius", line.radius)] {
-            value.map_or(Ok(()), |value| MemberError::positive(key, value))?;
+        for (number, value) in [("spacing", line.spacing), ("radius", line.radius)] {
+            value.map_or(Ok(()), |value| MemberError::positive(number, value))?;
         }
         if model.analysis == Analysis::Axisymmetric {
-            let message = format!("a {word} has no meaning with axial symmetry");
+            let message = format!("a {key} has no meaning with axial symmetry");
             return Err(MemberError::new("", message, "not with axial symmetry", ""));
         }
         let spaced = |message| {
-            let label = format!("of how many {several}?");
+            let label = format!("of how many {plural}?");
             Err(MemberError::new("spacing", message, label, ""))
         };
         if D == 3 && line.spacing.is_some() {
             return spaced(format!(
-                "`spacing` is across a plane model; in space every {word} is there by itself"
+                "`spacing` is across a plane model; in space every {key} is there by itself"
             ));
         }
         let places = self.places(model)?;
@@ -109,7 +109,7 @@ impl<const D: usize> Member<D> {
         let count = match line.spacing {
             Some(_) if thickness.any(|other| other != own) => {
                 return spaced(format!(
-                    "its bodies differ in thickness: how many {several} a spacing makes is not clear"
+                    "its bodies differ in thickness: how many {plural} a spacing makes is not clear"
                 ));
             }
             Some(spacing) => own / spacing,

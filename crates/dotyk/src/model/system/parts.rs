@@ -30,14 +30,14 @@ impl Owner {
         matches!(self, Self::Body(_) | Self::Obstacle(_))
     }
 
-    /// Its kind, in a word.
+    /// The kind in a word.
     pub fn kind<const D: usize>(self, model: &Model<D>) -> &'static str {
         match self {
             Self::Body(_) => "body",
             Self::Obstacle(_) => "obstacle",
             Self::Point(..) => "couple",
             Self::Bed(..) => "bed",
-            Self::Member(of) => model.members[of].kind.words().words[0],
+            Self::Member(of) => model.members[of].kind.words().key,
         }
     }
 

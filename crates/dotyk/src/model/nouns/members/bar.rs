@@ -28,8 +28,8 @@ pub struct Bar {
 pub(crate) const WORDS: MemberWords = MemberWords {
     key: "bar",
     plural: "bars",
-    words: ["bar", "bars"],
-    apart: ["bar", "bars"],
+    apart: "bar",
+    apart_plural: "bars",
     choice: "bond",
 };
 

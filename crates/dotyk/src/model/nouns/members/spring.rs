@@ -14,13 +14,13 @@ use crate::model::nouns::member::{Bond, MemberError, MemberWords, Pull, PullLaw}
 pub struct SpringBetween {
     /// Force of one spring for each length of elongation.
     pub stiffness: f64,
-    /// The forces that it bears.
+    /// The signs of its force.
     pub acts: Acts,
-    /// How far its ends move, apart in tension, nearer to each other in compression, before it bears a force.
+    /// Play: the motion of the ends, apart in tension, towards each other in compression, without a force.
     pub gap: f64,
 }
 
-/// The forces that a spring bears.
+/// The signs of the force of a spring.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Acts {
     /// Tension and compression.
@@ -33,7 +33,7 @@ pub enum Acts {
 }
 
 impl Acts {
-    /// All of them.
+    /// All choices.
     pub const ALL: [Self; 3] = [Self::Both, Self::Tension, Self::Compression];
 
     /// The name in a case file.
@@ -49,8 +49,8 @@ impl Acts {
 pub(crate) const WORDS: MemberWords = MemberWords {
     key: "spring",
     plural: "springs",
-    words: ["spring", "springs"],
-    apart: ["spring between", "springs between places"],
+    apart: "spring between",
+    apart_plural: "springs between places",
     choice: "acts",
 };
 
