@@ -373,7 +373,7 @@ fn nonsense_is_one_clear_error() {
         (format!("{whole}young = 1"), "unknown key `young`"),
         (
             format!("{whole}active = {{ from = 3 }}"),
-            "spring \"s\" is there in no load step",
+            "it is there in no load step",
         ),
         (
             format!("{whole}[[probe]]\nname = \"p\"\nquantity = \"s.tension\"\nat = [1, 0]"),
@@ -396,10 +396,14 @@ fn nonsense_is_one_clear_error() {
     }
     let error = refused(&text(whole, "axisymmetric")).to_string();
     assert!(error.contains("a spring with axial symmetry"), "{error}");
-    // the part that an error is about has its place in the text
-    let error = refused(&text(
-        &format!("{whole}active = {{ from = 3 }}"),
-        "plane-stress",
-    ));
+    // what only the model finds has its place in the text, too
+    let late = spring(STACKED, "stiffness = 40\nactive = { until = 2 }");
+    let text = stacked("6", &late).replace(
+        "fix = [{ side = \"left\", x = 0 }]\nload",
+        "active = { from = 2 }\nfix = [{ side = \"left\", x = 0 }]\nload",
+    );
+    let error = refused(&text.replace(PLANE, &format!("{PLANE}{}", steps(&[1.0, 2.0]))));
+    let words = "spring \"spring\" is there in no load step";
+    assert!(error.to_string().contains(words), "{error}");
     assert_eq!(&*error.label, "this spring");
 }

@@ -3,8 +3,8 @@
 mod bar;
 mod spring;
 
-pub use bar::*;
-pub use spring::*;
+pub use bar::Bar;
+pub use spring::{Acts, SpringBetween};
 
 use crate::fem::Active;
 use crate::model::nouns::member::{Line, MemberWords, Pull};
