@@ -58,6 +58,12 @@ impl<const D: usize> Located<D> {
         }
     }
 
+    /// The nodes whose values count here.
+    pub fn carriers(&self) -> impl Iterator<Item = usize> {
+        let parts = self.nodes.iter().zip(&self.shape);
+        parts.filter_map(|(&node, n)| (n.abs() > WITHIN).then_some(node))
+    }
+
     /// The interpolated value of these nodal values; a node without weight does not count, whatever its value.
     pub fn interpolate<const N: usize>(&self, value: impl Fn(usize) -> [f64; N]) -> [f64; N] {
         let parts = self.nodes.iter().zip(&self.shape);

@@ -662,6 +662,85 @@ fn a_bar_within_a_body_does_not_hold_it() {
     }
 }
 
+/// An inclined anchor within a body that is held statically determinately: forces of its own, which no support feels, although its plate
+/// reaches beyond the body.
+#[test]
+fn the_plate_of_a_bar_pulls_along_its_axis_where_it_reaches_beyond_the_body() {
+    for radius in ["", "radius = 0.01", "radius = 0.1", "radius = 0.3"] {
+        let text = format!(
+            "{PLANE}[[body]]\nname = \"block\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [3, 2], cells = [12, 8] }} }}\n\
+             material = {{ young = 1e4, poisson = 0.3 }}\nfix = [{{ point = [0, 0], x = 0, y = 0 }}]\n\
+             spring = [{{ point = [3, 0], y = 100.0 }}]\n\
+             [[bar]]\nname = \"anchor\"\nfrom = [1.5, 2.0]\nto = [2.3, 1.2]\nbodies = [\"block\"]\n\
+             young = 1000\narea = 0.1\nprestress = 10\n{radius}\n"
+        );
+        let (_, found) = solved(&text);
+        assert!(bar(&found[0], "anchor").stations[0].force > 9.0);
+        // the anchor is no reaction of its body
+        let reactions = body(&found[0], "block").reactions.iter().flatten();
+        let most = reactions.fold(0.0, |most: f64, force| most.max(force.abs()));
+        assert!(most < 1e-9, "{radius}: {most}");
+    }
+}
+
+/// A bar through blocks in a row, of one cell each: their cells have nodes of the same numbers, and are cells of their own.
+#[test]
+fn a_grouted_bar_has_points_in_every_body_that_it_crosses() {
+    const BLOCKS: usize = 20;
+    let row = |divided: bool| {
+        let one = |k: usize| {
+            let (left, cells) = (k as f64, if divided && k % 2 == 1 { 2 } else { 1 });
+            let end = if k == 0 {
+                ", { side = \"left\", x = 0 }"
+            } else {
+                ""
+            };
+            format!(
+                "[[body]]\nname = \"b{k}\"\n\
+                 mesh = {{ rectangle = {{ from = [{left}, 0], to = [{}, 1], cells = [{cells}, 1], cell = \"quad8\" }} }}\n\
+                 material = {{ young = 1e4, poisson = 0.0 }}\nfix = [{{ side = \"bottom\", y = 0 }}{end}]\n\
+                 load = [{{ side = \"top\", traction = [0.1, 0] }}]\n",
+                left + 1.0
+            )
+        };
+        let blocks: String = (0..BLOCKS).map(one).collect();
+        let names: Vec<String> = (0..BLOCKS).map(|k| format!("\"b{k}\"")).collect();
+        let text = format!(
+            "{PLANE}{blocks}[[bar]]\nname = \"tendon\"\nfrom = [0.5, 0.5]\nto = [19.5, 0.5]\nbodies = [{}]\nbond = \"grouted\"\n\
+             young = 1e4\narea = 1\n",
+            names.join(", ")
+        );
+        let (_, found) = solved(&text);
+        let stations = bar(&found[0], "tendon").stations.len();
+        let last = body(&found[0], "b19").displacement.iter();
+        (stations, last.map(|u| u[0]).fold(0.0, f64::max))
+    };
+    let ((few, coarse), (more, fine)) = (row(false), row(true));
+    assert!(few >= 4 * BLOCKS && more >= 6 * BLOCKS, "{few} {more}");
+    assert!((coarse / fine - 1.0).abs() < 0.2, "{coarse} {fine}");
+}
+
+/// A bar along a line between cells lies in neither of them: it has the elements of one row, whichever end comes first.
+#[test]
+fn a_bar_between_cells_has_the_elements_of_one_row() {
+    for ends in [
+        "from = [0.5, 0.3]\nto = [7.5, 0.3]",
+        "from = [7.5, 0.3]\nto = [0.5, 0.3]",
+    ] {
+        let text = format!(
+            "{PLANE}[[body]]\nname = \"block\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [8, 0.6], cells = [8, 2], cell = \"quad8\" }} }}\n\
+             material = {{ young = 1e4, poisson = 0.3 }}\nfix = [{{ side = \"left\", x = 0, y = 0 }}]\n\
+             load = [{{ side = \"right\", traction = [1, 0] }}]\n\
+             [[bar]]\nname = \"tendon\"\n{ends}\nbodies = [\"block\"]\nbond = \"grouted\"\nyoung = 1e4\narea = 0.1\n"
+        );
+        let (_, found) = solved(&text);
+        let stations = bar(&found[0], "tendon").stations.len();
+        assert!((32..=40).contains(&stations), "{stations}");
+    }
+}
+
 /// A thin plate beside coarse ground: the bar ends in the plate, in whatever order the bodies are named.
 #[test]
 fn a_bar_ends_in_the_body_that_it_lies_in() {

@@ -154,11 +154,16 @@ impl<const D: usize> Member<D> {
             let label = "in none of its bodies";
             return Err(MemberError::new(ENDS[end], message, label, help));
         };
-        // its plate may reach beyond the body
-        let points = self.line.radius.map(|radius| plate(point, along, radius));
-        let spread = locate_all(&model.bodies[body].mesh, &points.unwrap_or_default());
-        let spread = spread.into_iter().flatten().filter(|p| p.outside <= INSIDE);
-        let spread: Vec<Located<D>> = spread.collect();
+        // where its plate reaches beyond the body, so much is left out on the other side, too: its force stays on its axis
+        let pairs = self.line.radius.map(|radius| plate(point, along, radius));
+        let points = pairs.unwrap_or_default().concat();
+        let spread = locate_all(&model.bodies[body].mesh, &points);
+        let within =
+            |place: &Option<Located<D>>| place.as_ref().is_some_and(|p| p.outside <= INSIDE);
+        let spread = spread
+            .chunks_exact(2)
+            .filter(|pair| pair.iter().all(within));
+        let spread: Vec<Located<D>> = spread.flatten().flatten().cloned().collect();
         Ok(Anchor {
             body,
             nodes: mean_of(if spread.is_empty() {
@@ -180,15 +185,24 @@ impl<const D: usize> Member<D> {
         let looks: Vec<Point<D>> = (0..LOOKS)
             .map(|k| add_scaled(from, (k as f64 + 0.5) / LOOKS as f64, step))
             .collect();
-        let mut cells: Vec<Vec<usize>> = Vec::new();
-        for (_, found) in self.located(model, &looks).into_iter().flatten() {
-            if cells.last() != Some(&found.nodes) {
-                cells.push(found.nodes);
+        // cells that it crosses, and borders between cells along which it runs: at least two looks in a row
+        let mut crossed = BTreeMap::new();
+        let mut last = None;
+        for (body, found) in self.located(model, &looks).into_iter().flatten() {
+            // more nodes than the largest cell has corners
+            let elements = IN_CELL[usize::from(found.nodes.len() > 1 << D)];
+            let mut border: Vec<usize> = match found.cell {
+                Some(_) => Vec::new(),
+                None => found.carriers().collect(),
+            };
+            border.sort_unstable();
+            let place = (body, found.cell.map(|cell| (found.block, cell)), border);
+            if found.cell.is_some() || last.as_ref() == Some(&place) {
+                crossed.insert(place.clone(), elements);
             }
+            last = Some(place);
         }
-        // more nodes than the largest cell has corners
-        let of_cell = |nodes: &Vec<usize>| IN_CELL[usize::from(nodes.len() > 1 << D)];
-        let elements = cells.iter().map(of_cell).sum::<usize>();
+        let elements = crossed.values().sum::<usize>();
         let elements = elements.clamp(FEWEST, MOST);
         let points: Vec<Point<D>> = (1..elements)
             .map(|k| add_scaled(from, k as f64 / elements as f64, step))
@@ -246,28 +260,29 @@ const BESIDE: f64 = 0.02;
 /// Ends nearer to each other than this part of the largest body are at the same place.
 const NO_LENGTH: f64 = 1e-12;
 
-/// Points spread over a disc of a radius across a direction (in the plane over a line), each for an equal part of it.
-fn plate<const D: usize>(centre: Point<D>, along: Point<D>, radius: f64) -> Vec<Point<D>> {
+/// Points spread over a disc of a radius across a direction (in the plane over a line), each for an equal part of it: pairs that lie
+/// opposite to each other.
+fn plate<const D: usize>(centre: Point<D>, along: Point<D>, radius: f64) -> Vec<[Point<D>; 2]> {
     let axes = completed(vec![along]);
     let ring = |k: usize| (k as f64 + 0.5) / SHARED as f64;
-    let in_plane = |k: usize| {
-        [-radius * ring(k), radius * ring(k)]
-            .map(|x| [x, 0.0])
-            .to_vec()
-    };
-    // rings of the same area
+    // rings of the same area; in the plane x alone counts
     let in_space = |k: usize| {
         let (r, angles) = (radius * ring(k).sqrt(), 4 * SHARED);
         let turn = move |a: usize| TAU * (a as f64 + 0.5 * (k % 2) as f64) / angles as f64;
-        let around = (0..angles).map(turn);
-        around.map(|a| [r * a.cos(), r * a.sin()]).collect()
+        let half = (0..angles / 2).map(turn);
+        half.map(|a| [r * a.cos(), r * a.sin()]).collect()
     };
-    let offsets = (0..SHARED).flat_map(|k| if D == 2 { in_plane(k) } else { in_space(k) });
+    let offsets = (0..SHARED).flat_map(|k| match D {
+        2 => vec![[radius * ring(k), 0.0]],
+        _ => in_space(k),
+    });
     let place = |offset: [f64; 2]| {
         let across = axes[1..].iter().zip(offset);
         across.fold(centre, |sum, (axis, x)| add_scaled(sum, x, *axis))
     };
-    offsets.map(place).collect()
+    offsets
+        .map(|offset| [offset.map(|x| -x), offset].map(place))
+        .collect()
 }
 
 /// Mean of some places.
