@@ -182,7 +182,8 @@ pub(crate) fn recover_yielded<const D: usize>(
         strain,
         // near the border of the plastic zone a linear function may become negative
         equivalent: first(sizes).into_iter().map(|own| own.max(0.0)).collect(),
-        share: first(share),
+        // rounding of a mean
+        share: first(share).into_iter().map(|own| own.min(1.0)).collect(),
         cells: cells.concat(),
     })
 }

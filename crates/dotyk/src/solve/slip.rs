@@ -37,10 +37,9 @@ use crate::solve::hold::{held, hold};
 use crate::solve::interior::interior;
 use crate::solve::iteration::{completed, counting_from};
 use crate::solve::limit::limit;
-use crate::solve::setup::{Forces, Setup};
+use crate::solve::setup::Setup;
 use crate::solve::states::State;
-use crate::solve::{FixedBounds, Iterate, Observer, Outcome, SolveError, levels};
-use std::ops::ControlFlow;
+use crate::solve::{FixedBounds, Observer, Outcome, SolveError, levels};
 
 /// Exact steps: their residuals may rise on the way.
 const EXACT: Patience = Patience::new(14, f64::INFINITY);
@@ -60,9 +59,6 @@ type Stage<S> = (
     &'static str,
     fn(&S, &mut Search<'_>, Vec<State>, Observer<'_>) -> Ended,
 );
-
-/// Number of the stages that solve no convex problem.
-const WITHOUT_REST: usize = 3;
 
 /// The last stage.
 const BOUNDS: &str = "bounds that are given";
@@ -114,15 +110,10 @@ pub(crate) fn solve<S: FixedBounds>(
                 false => Err(search.not_converged(S::NAME, STALLED)),
             };
             match ended {
-                Err(left @ SolveError::NotConverged { .. }) => {
-                    let answer = |given: &Setup<'_>, from: Option<&Forces>| {
-                        without_rest(method, given, from)
-                    };
-                    match limit(setup, &answer) {
-                        Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
-                        None => Err(left),
-                    }
-                }
+                Err(left @ SolveError::NotConverged { .. }) => match limit(method, setup) {
+                    Some((direction, factor)) => Err(SolveError::Slides { direction, factor }),
+                    None => Err(left),
+                },
                 ended => ended,
             }
         }
@@ -163,21 +154,6 @@ fn climb<'a, S: FixedBounds>(
         };
     }
     Ok((search, ended))
-}
-
-/// Forces that answer a problem, by the stages that need no convex problem.
-fn without_rest<S: FixedBounds>(
-    method: &S,
-    setup: &Setup<'_>,
-    from: Option<&Forces>,
-) -> Option<Forces> {
-    let guess = from.map(|from| setup.multipliers(&from.lambda, &from.alpha));
-    let stages = &stages(setup.problem)[..WITHOUT_REST];
-    let mut silent = |_: &Iterate<'_>| ControlFlow::Continue(());
-    match climb(method, setup, guess.as_ref(), stages, &mut silent) {
-        Ok((search, Ended::Converged)) => Some(search.point),
-        _ => None,
-    }
 }
 
 /// The best that a few steps find on a coarser problem.

@@ -717,7 +717,7 @@ fn a_grouted_bar_has_points_in_every_body_that_it_crosses() {
         (stations, last.map(|u| u[0]).fold(0.0, f64::max))
     };
     let ((few, coarse), (more, fine)) = (row(false), row(true));
-    assert!(few >= 4 * BLOCKS && more >= 6 * BLOCKS, "{few} {more}");
+    assert!(few >= 4 * BLOCKS && more > few, "{few} {more}");
     assert!((coarse / fine - 1.0).abs() < 0.2, "{coarse} {fine}");
 }
 
