@@ -134,14 +134,11 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
         progress.finish();
         warn(&run.warnings());
         let steps = run.standing();
-        let several = run.count > 1;
-        let failed = run.failure.as_ref();
-        let failed = failed.filter(|failure| several || failure.carried.is_some());
         let record = output::Record {
             model: &case.model,
             steps,
             stem: &case.stem,
-            failed: failed.map(|failure| output::FailedStep {
+            failed: run.failed_step().map(|failure| output::FailedStep {
                 step: failure.step,
                 time: failure.time,
                 reason: failure.reason.clone(),

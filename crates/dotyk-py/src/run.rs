@@ -235,15 +235,12 @@ impl Run {
         case: &'a Case<D>,
         run: &'a dotyk::case::Run<D>,
     ) -> Record<'a, D> {
-        let several = run.count > 1;
-        let failed = run.failure.as_ref();
-        let failed = failed.filter(|failure| several || failure.carried.is_some());
         let now = Instant::now();
         Record {
             model: &case.model,
             steps: run.standing(),
             stem: &case.stem,
-            failed: failed.map(|failure| FailedStep {
+            failed: run.failed_step().map(|failure| FailedStep {
                 step: failure.step,
                 time: failure.time,
                 reason: failure.reason.clone(),

@@ -97,6 +97,12 @@ impl<const D: usize> Run<D> {
         &self.steps[..certified.max(1).min(self.steps.len())]
     }
 
+    /// The failure that result files tell: of one of several steps, or with the part of the step that is carried.
+    pub fn failed_step(&self) -> Option<&Failure> {
+        let failure = self.failure.as_ref();
+        failure.filter(|failure| self.count > 1 || failure.carried.is_some())
+    }
+
     /// Iterations of all steps.
     pub fn iterations(&self) -> usize {
         self.steps.iter().map(|step| step.solver.iterations).sum()

@@ -257,12 +257,12 @@ macro_rules! doors {
         impl Record<'_, $D> {
             /// Writes all result files into a folder: a VTU file per body and step, a VTM file per step that
             /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` with a probe along a line, `sections.csv` with a section,
-            /// `bars.csv` with a bar, `state.bin` if a material yields, `summary.json`, `report.html`.
+            /// `bars.csv` and `springs.csv` with such members, `state.bin` if a material yields, `summary.json`, `report.html`.
             ///
             /// `seconds.write` in the summary is the time for all other files, and `seconds.total` the time since the run began; the
             /// report, which is one of these files, gives the time up to itself.
             /// Files of other names in the folder stay, except for the VTU and VTM files of an earlier run that its `case.pvd` names,
-            /// and its `lines.csv`, `sections.csv`, `bars.csv` and `state.bin`.
+            /// and its `lines.csv`, `sections.csv`, files of members and `state.bin`.
             /// Errors: any [`Error`]; then the folder is as it was before.
             pub fn write(&self, folder: &Folder) -> Result<Written, Error> {
                 write(self, folder)

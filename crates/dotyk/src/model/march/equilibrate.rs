@@ -47,7 +47,7 @@ pub(crate) fn equilibrate<const D: usize>(
 ) -> Result<Found<D>, Error<D>> {
     let mut turns = Turns::new(model, condensed)?;
     let (mut before, mut parted) = (None, Vec::new());
-    let mut at = Iterate::begin(model, condensed, from, observe)?;
+    let mut at = Reached::begin(model, condensed, from, observe)?;
     loop {
         if at.refine(model, condensed, from, observe)? {
             continue;
@@ -68,7 +68,7 @@ pub(crate) fn equilibrate<const D: usize>(
             attempt = ended;
         }
         let guess = guess.as_ref().or(from.guess);
-        at = Iterate::begin(model, condensed, Start { guess, ..from }, observe)?;
+        at = Reached::begin(model, condensed, Start { guess, ..from }, observe)?;
         before = Some(attempt.behind(before));
     }
 }
@@ -82,7 +82,7 @@ pub(crate) fn certified<const D: usize>(
     from: Start<'_>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Attempt<D>, Judged<D>), Error<D>> {
-    let mut at = Iterate::begin(model, condensed, from, observe)?;
+    let mut at = Reached::begin(model, condensed, from, observe)?;
     while at.refine(model, condensed, from, observe)? {}
     Ok((at.attempt, at.judged))
 }
@@ -101,7 +101,7 @@ enum Move {
 }
 
 /// Forces of the linear problem, how they were found, and what displacements say of them.
-struct Iterate<const D: usize> {
+struct Reached<const D: usize> {
     /// With the best forces.
     attempt: Attempt<D>,
     judged: Judged<D>,
@@ -112,7 +112,7 @@ struct Iterate<const D: usize> {
     next: Move,
 }
 
-impl<const D: usize> Iterate<D> {
+impl<const D: usize> Reached<D> {
     /// The answer of one run of the method.
     fn begin(
         model: &Model<D>,
