@@ -7,7 +7,7 @@ use crate::case::error::Fault;
 use crate::case::expression::{self, Variables};
 use crate::case::given::Given;
 use crate::case::parameters::{self, Parameters};
-use crate::case::suggest::{elsewhere, listed, meaning};
+use crate::case::suggest::{elsewhere, listed};
 use crate::geometry::{Field, Point};
 use std::borrow::Cow;
 use std::ops::Range;
@@ -417,9 +417,8 @@ impl Node {
             let message = format!("unknown key `{}`", entry.key);
             let words = ["the nearest known key", "known here"];
             let fault = Fault::new(&entry.key_span, message);
-            let named = meaning(&entry.key, keys.iter().copied());
             return Err(match elsewhere(&entry.key, keys) {
-                Some(place) if named.is_none() => fault
+                Some(place) => fault
                     .label(place)
                     .help(format!("known here: {}", listed(keys.iter().copied()))),
                 _ => fault.nearest(&entry.key, words, keys.iter().copied()),

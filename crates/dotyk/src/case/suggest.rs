@@ -24,34 +24,51 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     known.into_iter().min_by_key(|k| distance(name, k))
 }
 
+/// Letters and digits of a word alone, as in the list of meanings.
+fn plain(word: &str) -> String {
+    let word = word.to_lowercase();
+    word.chars().filter(|c| c.is_alphanumeric()).collect()
+}
+
+/// Our words for a word of others, with their tables.
+fn ours(plain: &str) -> impl Iterator<Item = [&'static str; 3]> {
+    meanings().filter(move |[.., others]| others.split(' ').any(|other| other == plain))
+}
+
+/// The known word that means the same as a word of another program or a textbook.
+fn here<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<&'static str> {
+    let plain = plain(word);
+    let mut words = ours(&plain).map(|[word, ..]| word);
+    words.find(|word| known.clone().any(|known| known == *word))
+}
+
 /// The meaning of a word of another program or a textbook, if it is not a misspelled known word.
 pub fn meaning<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> Option<String> {
-    let plain: String = word
-        .to_lowercase()
-        .chars()
-        .filter(|c| c.is_alphanumeric())
-        .collect();
-    let ours = || meanings().filter(|[.., others]| others.split(' ').any(|other| other == plain));
-    if let Some([word, ..]) = ours().find(|[word, ..]| known.clone().any(|known| known == *word)) {
+    if let Some(word) = here(word, known.clone()) {
         return Some(format!("here it is `{word}`"));
     }
+    let plain = plain(word);
     // a changed letter of a short word makes another word
     let slip = |near: &str| plain.len() > 2 && distance(word, near) <= 1;
     if nearest(word, known.clone()).is_some_and(slip) {
         return None;
     }
-    ours().find_map(|[word, place, _]| match (word, place) {
+    ours(&plain).find_map(|[word, place, _]| match (word, place) {
         (_, "-") => None,
         ("!", instead) => Some(instead.to_string()),
         (word, place) => Some(format!("`{word}` in {place}")),
     })
 }
 
-/// The tables of a key that is not one of these, nor a misspelled one, but belongs to other tables.
+/// The tables of a key that belongs to other tables, if it is not one of these, nor a misspelled one, nor another program's word for
+/// one. A word of another program for a key elsewhere ([`meaning`]) comes before a misspelled key.
 pub fn elsewhere(key: &str, keys: &[&str]) -> Option<String> {
     let off = |known: &str| distance(key, known);
-    let slips = if key.chars().count() > 4 { 1 } else { 0 };
-    if keys.iter().any(|known| off(known) <= 1) {
+    let slips = match meaning(key, keys.iter().copied()) {
+        None if key.chars().count() > 4 => 1,
+        _ => 0,
+    };
+    if keys.iter().any(|known| off(known) <= 1) || here(key, keys.iter().copied()).is_some() {
         return None;
     }
     let mut tables: Vec<&str> = Vec::new();
@@ -140,6 +157,13 @@ mod tests {
                 keys::CASE,
                 Some("`tolerance` is a key of `solver`"),
             ),
+            // also words of other programs for a key, unless it is one of these
+            (
+                "prestress",
+                keys::CONTACT,
+                Some("`prestress` is a key of `bar`"),
+            ),
+            ("prestress", keys::BODY, None),
             // misspelled keys are not moved, and keys of many tables give no hint
             ("surfaces", keys::BODY, None),
             ("meterial", keys::BODY, None),
