@@ -4,7 +4,7 @@ use crate::case::{method_of, of_any};
 use crate::errors;
 use crate::worker::{Caller, Work, locked, wait};
 use dotyk::case::AnyCase;
-use dotyk::dual::{Block, Certificate, DualProblem, Friction, Multipliers};
+use dotyk::dual::{Block, Certificate, DualProblem, Multipliers};
 use dotyk::linalg::SparseVector;
 use dotyk::model::{self, Error, Solution};
 use dotyk::solve::{ContactSolver, Observer, Outcome, SolveError};
@@ -148,20 +148,9 @@ fn columns(problem: &DualProblem) -> Vec<f64> {
 }
 
 fn law(block: &Block) -> Law {
-    let none = f64::NAN;
-    match *block {
-        Block::Free { size } => ("free", size, none, none),
-        Block::Unilateral => ("unilateral", 1, none, none),
-        Block::Interval { bound } => ("interval", 1, bound, none),
-        Block::Frictional { tangents, law } => match law {
-            Friction::Tresca { bound } => ("tresca", 1 + tangents, bound, none),
-            Friction::Coulomb { coefficient } => ("coulomb", 1 + tangents, none, coefficient),
-            Friction::Cohesive {
-                cohesion,
-                coefficient,
-            } => ("cohesive", 1 + tangents, cohesion, coefficient),
-        },
-    }
+    let told = block.told();
+    let [bound, coefficient] = [told.bound, told.coefficient].map(|v| v.unwrap_or(f64::NAN));
+    (told.name, block.size(), bound, coefficient)
 }
 
 #[pymethods]

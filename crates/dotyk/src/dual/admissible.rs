@@ -142,6 +142,12 @@ impl AdmissibleSet {
         self.blocks.iter().flat_map(of_block).collect()
     }
 
+    /// No bound bends with the normal force or jumps where its node closes.
+    pub(crate) fn is_straight(&self) -> bool {
+        let mut laws = self.blocks.iter().filter_map(Block::friction);
+        laws.all(|law| law.is_straight())
+    }
+
     /// Some bound jumps where its node closes, as cohesion does.
     pub(crate) fn jumps(&self) -> bool {
         let mut laws = self.blocks.iter().filter_map(Block::friction);
@@ -248,7 +254,7 @@ impl AdmissibleSet {
         blocks.filter_map(move |((block, range), bound)| {
             let law = block.friction()?;
             let most = match law.follows() {
-                true => law.terms().0 + 2.0 * norm(&lambda[range.clone()]),
+                true => law.touch(0.0).given + 2.0 * norm(&lambda[range.clone()]),
                 false => bound,
             };
             let square: f64 = block.shear(&range).map(|i| gap(i).powi(2)).sum();

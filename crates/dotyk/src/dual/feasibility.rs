@@ -28,7 +28,7 @@
 //! elsewhere, together with the part of the load along it that friction can hold. Where no friction whatever could hold the bodies
 //! (they tip or are lifted), it is the motion that remains when no contact slips, and friction holds no part of the load along it.
 
-use crate::dual::law::{Generators, farthest};
+use crate::dual::law::{Generators, Round, farthest};
 use crate::dual::modes::transposed;
 use crate::dual::split::{MANY, Split};
 use crate::dual::{AdmissibleSet, Balance, Block, DualProblem, ModeSplit, Modes, cone};
@@ -231,8 +231,8 @@ struct Carrier {
     rays: Vec<SparseVector>,
     /// Axis and radii of the round cones.
     cones: Vec<(SparseVector, Vec<SparseVector>)>,
-    /// Radii of the shears of given bounds.
-    discs: Vec<Vec<SparseVector>>,
+    /// Shears of given bounds, and forces of bounds that bend.
+    rounds: Vec<Round>,
 }
 
 impl Carrier {
@@ -254,7 +254,7 @@ impl Carrier {
             split: split.unwrap_or_default(),
             rays: Vec::new(),
             cones: Vec::new(),
-            discs: Vec::new(),
+            rounds: Vec::new(),
         };
         let controlled = transposed(&carrier.split.controlled, modes.nrows());
         let k = carrier.split.controlled.len();
@@ -264,13 +264,13 @@ impl Carrier {
                 let parts = parts.map(|(mode, value)| (value, &controlled[mode]));
                 SparseVector::new(k, []).plus(parts)
             };
-            let Generators { rays, cone, disc } = block.generators(range.map(image).collect());
+            let Generators { rays, cone, round } = block.generators(range.map(image).collect());
             // those of a round cone are added where it is made a polygon
             match cone {
                 Some(cone) => carrier.cones.push(cone),
                 None => carrier.rays.extend(rays),
             }
-            carrier.discs.extend(disc);
+            carrier.rounds.extend(round);
         }
         carrier
     }
@@ -304,7 +304,7 @@ impl Carrier {
             z.add_to(z.dot(load), &mut driven);
         }
         let target = self.reduce(load);
-        let rest = if self.cones.is_empty() && self.discs.is_empty() {
+        let rest = if self.cones.is_empty() && self.rounds.is_empty() {
             self.rest_of_cone(&target)
         } else {
             let rest = self.rest_of_round_cones(&target);
@@ -316,7 +316,7 @@ impl Carrier {
     /// The rest of many bodies beyond round cones, from polygons inscribed in them that grow where they are needed: `None` where
     /// bodies are few, where bounds of friction are given, and where no answer could be verified.
     fn rest_of_round_cones(&self, target: &[f64]) -> Option<Vec<f64>> {
-        if target.len() < MANY || !self.discs.is_empty() {
+        if target.len() < MANY || !self.rounds.is_empty() {
             return None;
         }
         let corners = (0..CORNERS).map(|k| (k as f64 * TAU / CORNERS as f64).sin_cos());
@@ -438,13 +438,11 @@ impl Carrier {
         edges.iter().map(|(_, edge)| edge.to_dense()).collect()
     }
 
-    /// The corner of the bounded shears that lies farthest along `rest`.
+    /// The corner of the round bodies that lies farthest along `rest`.
     fn corner(&self, rest: &[f64]) -> Vec<f64> {
         let mut corner = vec![0.0; rest.len()];
-        for shears in &self.discs {
-            for (s, shear) in farthest(shears, rest).into_iter().zip(shears) {
-                shear.add_to(s, &mut corner);
-            }
+        for round in &self.rounds {
+            round.add_farthest(rest, &mut corner);
         }
         corner
     }
@@ -861,7 +859,7 @@ mod tests {
             split: ModeSplit::default(),
             rays: Vec::new(),
             cones: Vec::new(),
-            discs: Vec::new(),
+            rounds: Vec::new(),
         }
     }
 
@@ -884,11 +882,13 @@ mod tests {
         let mut carrier = carrier();
         assert_eq!(carrier.corner(&[1.0, 1.0]), [0.0, 0.0]);
         let sparse = |v: [f64; 2]| SparseVector::from_dense(&v);
-        carrier.discs = vec![
+        let discs = [
             vec![sparse([2.0, 0.0])],
             vec![sparse([0.0, 3.0])],
             vec![sparse([5.0, 0.0]), sparse([0.0, 5.0])],
         ];
+        let disc = |radii| Round { radii, bends: None };
+        carrier.rounds = discs.into_iter().map(disc).collect();
         // each disc gives its point farthest along (−3, 4)
         assert_eq!(carrier.corner(&[-3.0, 4.0]), [-2.0 - 3.0, 3.0 + 4.0]);
     }

@@ -1,20 +1,24 @@
 //! Admissible forces of one contact node: its block of Λ, and the laws of friction.
 //!
 //! ```text
-//!   λₙ ≥ 0,   ‖λₜ‖ ≤ bound(λₙ) = given + growth · λₙ
+//!   λₙ ≥ 0,   ‖λₜ‖ ≤ bound(λₙ)
 //!   where ‖λₜ‖ < bound nothing slips, else λₜ = bound · slip/‖slip‖
 //! ```
 //!
-//! | Law | given | growth | an open node, λₙ = 0 |
-//! |---|---|---|---|
-//! | Tresca | its bound | 0 | bears shear up to the bound, too: the problem is the minimum of a convex functional |
-//! | Coulomb | 0 | its coefficient | bears none |
-//! | Cohesive | its cohesion | its coefficient | bears none |
+//! | Law | bound(λₙ) of a closed node | an open node, λₙ = 0 |
+//! |---|---|---|
+//! | Tresca | its bound | bears shear up to the bound, too: the problem is the minimum of a convex functional |
+//! | Coulomb | coefficient · λₙ | bears none |
+//! | Cohesive | cohesion + coefficient · λₙ | bears none |
 //!
-//! A law is defined by given, growth and whether its bound *follows* from the normal force. Where a bound follows the problem
-//! is no minimum: it is solved as a fixed point of problems with given bounds, or by Newton's method on the states of the
-//! nodes. All else is derived from these three: the projection onto {λₙ ≥ 0, ‖λₜ‖ ≤ given + growth · λₙ}, which is convex,
-//! and its derivative; forces that generate this set; the law of several nodes taken as one; the block without slip.
+//! A law answers two questions. *Where does its bound touch* a normal force: which straight line given + growth · λₙ has the value
+//! and the slope of the bound there, and how does the slope change? And does the bound *follow* from the normal force? Where it does
+//! the problem is no minimum: it is solved as a fixed point of problems with given bounds, or by Newton's method on the states of the
+//! nodes. All else is derived from these two: the projection onto {λₙ ≥ 0, ‖λₜ‖ ≤ bound(λₙ)} and its derivative; forces that
+//! generate this set; the block without slip.
+//!
+//! A bound never falls, and is concave: the set is convex, and a touching line lies nowhere below the bound. The bound may be a
+//! straight line; if it bends it does so at λₙ = 0 already, and less and less as λₙ grows, so that Newton's method cannot overshoot.
 //!
 //! The bound of a cohesive law jumps where the node opens. At λₙ = 0 the node is open, with a gap or without: a node that bears
 //! shear without a normal force could not be distinguished from one that merely touches. A normal force that is negligible beside
@@ -77,6 +81,18 @@ pub enum Friction {
     },
 }
 
+/// A block as files and other languages know it.
+pub struct Told {
+    /// Its law, in a word.
+    pub name: &'static str,
+    /// Its place in [`Block::LAWS`].
+    pub kind: usize,
+    /// A force: what bounds its shears, or the part of their bound without a normal force.
+    pub bound: Option<f64>,
+    /// A number: by how much the bound grows with the normal force, from none on.
+    pub coefficient: Option<f64>,
+}
+
 /// A normal force below this part of the largest force counts as zero: projected methods leave traces where a contact is open.
 pub(crate) const NONE: f64 = 1e-10;
 
@@ -92,6 +108,51 @@ fn growth(coefficient: f64) -> f64 {
     }
 }
 
+/// The straight line given + growth · λₙ that touches a bound at a normal force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Touch {
+    /// Its value at λₙ = 0: a force.
+    pub given: f64,
+    /// Its slope, a number ≥ 0.
+    pub growth: f64,
+    /// By how much the slope of the bound changes with the normal force, one over a force; negative, or zero for a straight bound.
+    pub bend: f64,
+}
+
+impl Touch {
+    /// A bound that is this line itself.
+    fn straight(given: f64, growth: f64) -> Self {
+        let bend = 0.0;
+        Self {
+            given,
+            growth,
+            bend,
+        }
+    }
+
+    /// Its value at the normal force where it touches the bound, a force.
+    fn bound(&self, normal: f64) -> f64 {
+        self.given + self.growth * normal
+    }
+
+    /// What a bend adds to the slope of the condition of the nearest point, for a shear of this length: −bend · (length − bound) ≥ 0.
+    fn bending(&self, normal: f64, length: f64) -> f64 {
+        match self.bend < 0.0 {
+            true => -self.bend * (length - self.bound(normal)).max(0.0),
+            false => 0.0,
+        }
+    }
+}
+
+/// Most steps of Newton's method on a bound that bends; five are usual.
+const STEPS: usize = 60;
+
+/// Where a force, or a growth, is known to this part of it, they end.
+const STILL: f64 = 1e-15;
+
+/// A bound that grows by this part of how much its growth changes is as good as one that has stopped.
+const FLAT: f64 = 1e-9;
+
 impl Friction {
     /// The block of a node with this law.
     pub fn block(self, tangents: usize) -> Block {
@@ -99,17 +160,35 @@ impl Friction {
         Block::Frictional { tangents, law }
     }
 
-    /// Given, a force, and growth, a number: the bound of a closed node is given + growth · λₙ.
+    /// The line that touches the bound of a closed node at a normal force ≥ 0, which may be infinite: its growth is the least one then.
     ///
     /// A coefficient from [`ROUGH`] on never lets the node slide.
-    pub(crate) fn terms(&self) -> (f64, f64) {
+    pub(crate) fn touch(&self, _normal: f64) -> Touch {
         match *self {
-            Self::Tresca { bound } => (bound, 0.0),
-            Self::Coulomb { coefficient } => (0.0, growth(coefficient)),
+            Self::Tresca { bound } => Touch::straight(bound, 0.0),
+            Self::Coulomb { coefficient } => Touch::straight(0.0, growth(coefficient)),
             Self::Cohesive {
                 cohesion,
                 coefficient,
-            } => (cohesion, growth(coefficient)),
+            } => Touch::straight(cohesion, growth(coefficient)),
+        }
+    }
+
+    /// What files and other languages call it, and its values.
+    fn told(&self) -> Told {
+        let told = |name, kind, bound, coefficient: Option<f64>| Told {
+            name,
+            kind,
+            bound,
+            coefficient: coefficient.map(growth),
+        };
+        match *self {
+            Self::Tresca { bound } => told("tresca", 2, Some(bound), None),
+            Self::Coulomb { coefficient } => told("coulomb", 3, None, Some(coefficient)),
+            Self::Cohesive {
+                cohesion,
+                coefficient,
+            } => told("cohesive", 3, Some(cohesion), Some(coefficient)),
         }
     }
 
@@ -120,19 +199,20 @@ impl Friction {
 
     /// The law of several nodes taken as one, which all have this kind of law: forces add up, coefficients are averaged.
     pub(crate) fn together(self, all: &[Self]) -> Self {
-        let sum =
-            |term: fn((f64, f64)) -> f64| all.iter().map(|law| term(law.terms())).sum::<f64>();
-        let mean = || sum(|(_, growth)| growth) / all.len() as f64;
+        let sum = |value: fn(Told) -> Option<f64>| -> f64 {
+            let values = all.iter().map(|law| value(law.told()).unwrap_or(0.0));
+            values.sum()
+        };
+        let bound = || sum(|told| told.bound);
+        let coefficient = || sum(|told| told.coefficient) / all.len() as f64;
         match self {
-            Self::Tresca { .. } => Self::Tresca {
-                bound: sum(|(given, _)| given),
-            },
+            Self::Tresca { .. } => Self::Tresca { bound: bound() },
             Self::Coulomb { .. } => Self::Coulomb {
-                coefficient: mean(),
+                coefficient: coefficient(),
             },
             Self::Cohesive { .. } => Self::Cohesive {
-                cohesion: sum(|(given, _)| given),
-                coefficient: mean(),
+                cohesion: bound(),
+                coefficient: coefficient(),
             },
         }
     }
@@ -144,34 +224,42 @@ impl Friction {
 
     /// The bound jumps from zero where the node closes.
     pub(crate) fn jumps(&self) -> bool {
-        self.follows() && self.terms().0 > 0.0
+        self.follows() && self.touch(0.0).given > 0.0
+    }
+
+    /// The bound of a closed node is a straight line, which begins at zero where it follows from the normal force.
+    pub(crate) fn is_straight(&self) -> bool {
+        !self.jumps() && self.touch(0.0).bend == 0.0
     }
 
     /// No node bears shear, whatever its normal force is.
     pub(crate) fn is_smooth(&self) -> bool {
-        let (given, growth) = self.terms();
-        given <= 0.0 && growth <= 0.0
+        let touch = self.touch(0.0);
+        touch.given <= 0.0 && touch.growth <= 0.0
     }
 
     /// Largest tangential force beside the normal force `normal`.
     pub fn bound(&self, normal: f64) -> f64 {
-        let (given, growth) = self.terms();
         match self.bears(normal > 0.0) {
-            true => given + growth * normal.max(0.0),
+            true => self.closed_bound(normal.max(0.0)),
             false => 0.0,
         }
     }
 
-    /// Nearest point of {λₙ ≥ 0, ‖λₜ‖ ≤ given + growth · λₙ}. Shapes: (1 + tangents,).
+    /// The bound beside a normal force ≥ 0, at zero that of a node that has just closed.
+    fn closed_bound(&self, normal: f64) -> f64 {
+        self.touch(normal).bound(normal)
+    }
+
+    /// Nearest point of {λₙ ≥ 0, ‖λₜ‖ ≤ bound(λₙ)}, with the bound of a closed node. Shapes: (1 + tangents,).
     fn project(&self, from: &[f64], to: &mut [f64]) {
-        let (given, growth) = self.terms();
         let (n, length) = (from[0], norm(&from[1..]));
-        if n >= 0.0 && length <= given + growth * n {
+        if n >= 0.0 && length <= self.closed_bound(n) {
             to.copy_from_slice(from);
             return;
         }
-        to[0] = self.beside(n, length).max(0.0);
-        let bound = given + growth * to[0];
+        to[0] = self.beside(n, length);
+        let bound = self.closed_bound(to[0]);
         let factor = if length > bound { bound / length } else { 1.0 };
         for (to, from) in to[1..].iter_mut().zip(&from[1..]) {
             // where the bound is zero, so that zero has no sign
@@ -179,27 +267,60 @@ impl Friction {
         }
     }
 
-    /// Normal component of the nearest point with ‖λₜ‖ = given + growth · λₙ, of whatever sign.
+    /// Normal component of the nearest point with ‖λₜ‖ = bound(λₙ), at least zero: Newton's method on
+    /// λₙ = n + growth · (length − bound), which one step solves for a straight bound.
     fn beside(&self, n: f64, length: f64) -> f64 {
-        let (given, growth) = self.terms();
-        (n + growth * (length - given)) / (1.0 + growth * growth)
+        let mut normal = n.max(0.0);
+        for _ in 0..STEPS {
+            let touch = self.touch(normal);
+            let Touch { given, growth, .. } = touch;
+            let bending = touch.bending(normal, length);
+            let next = n + growth * (length - given) + bending * normal;
+            let next = (next / (1.0 + growth * growth + bending)).max(0.0);
+            let still = (next - normal).abs() <= STILL * next;
+            normal = next;
+            if touch.bend == 0.0 || still {
+                break;
+            }
+        }
+        normal
+    }
+
+    /// The normal force at which the bound grows by a number, by Newton's method: zero where it grows less from the start, and
+    /// one where it grows by hardly more than far away if it grows more everywhere.
+    fn where_growth_is(&self, growth: f64) -> f64 {
+        let [first, last] = [0.0, f64::INFINITY].map(|normal| self.touch(normal).growth);
+        let growth = growth.max(last + FLAT * (first - last));
+        let mut normal = 0.0;
+        for _ in 0..STEPS {
+            let touch = self.touch(normal);
+            if touch.growth * (1.0 - STILL) <= growth {
+                break;
+            }
+            normal += (growth - touch.growth) / touch.bend;
+        }
+        normal
     }
 
     /// Derivative of the projection at y in direction v. Shapes: all (1 + tangents,).
     fn project_derivative(&self, y: &[f64], v: &[f64], out: &mut [f64]) {
-        let (given, growth) = self.terms();
         let (n, length) = (y[0], norm(&y[1..]));
-        if n > 0.0 && length <= given + growth * n {
+        if n > 0.0 && length <= self.closed_bound(n) {
             out.copy_from_slice(v);
             return;
         }
         let normal = self.beside(n, length);
+        let touch = self.touch(normal);
+        let growth = touch.growth;
         let change = match normal > 0.0 {
-            true => (v[0] + growth * (dot(&y[1..], &v[1..]) / length)) / (1.0 + growth * growth),
+            true => {
+                (v[0] + growth * (dot(&y[1..], &v[1..]) / length))
+                    / (1.0 + growth * growth + touch.bending(normal, length))
+            }
             false => 0.0,
         };
         out[0] = change;
-        let bound = given + growth * normal.max(0.0);
+        let bound = touch.bound(normal);
         let (y, v, out) = (&y[1..], &v[1..], &mut out[1..]);
         if bound <= 0.0 {
             out.fill(0.0);
@@ -231,14 +352,40 @@ pub(super) fn farthest(shears: &[SparseVector], towards: &[f64]) -> Vec<f64> {
 }
 
 /// Images of the forces of a block: sums of `rays` with weights ≥ 0, of the edges of a round cone with weights ≥ 0, and of
-/// one point of a disc. For a law whose bound follows, this is the convex hull of the admissible forces.
+/// one point of a round body. For a law whose bound follows, this is the convex hull of the admissible forces.
 #[derive(Default)]
 pub(super) struct Generators {
     pub rays: Vec<SparseVector>,
     /// Axis and radii: its edges are axis + Σ sⱼ radiiⱼ, ‖s‖ = 1. Those along the radii are among the rays.
     pub cone: Option<(SparseVector, Vec<SparseVector>)>,
-    /// Radii.
-    pub disc: Option<Vec<SparseVector>>,
+    pub round: Option<Round>,
+}
+
+/// A disc, or what the bound of a law that bends encloses.
+#[derive(Debug, PartialEq)]
+pub(super) struct Round {
+    /// Its points are Σ sⱼ radiiⱼ, ‖s‖ ≤ 1.
+    pub radii: Vec<SparseVector>,
+    /// Axis and law: its points are λₙ axis + bound(λₙ) Σ sⱼ radiiⱼ.
+    pub bends: Option<(SparseVector, Friction)>,
+}
+
+impl Round {
+    /// Adds its point that lies farthest along `towards`. Shapes: all (k,).
+    pub fn add_farthest(&self, towards: &[f64], to: &mut [f64]) {
+        let turn = farthest(&self.radii, towards);
+        let mut size = 1.0;
+        if let Some((axis, law)) = &self.bends {
+            let parts = turn.iter().zip(&self.radii);
+            let along: f64 = parts.map(|(s, radius)| s * radius.dot(towards)).sum();
+            let normal = law.where_growth_is(-axis.dot(towards) / along);
+            axis.add_to(normal, to);
+            size = law.closed_bound(normal);
+        }
+        for (s, radius) in turn.into_iter().zip(&self.radii) {
+            radius.add_to(s * size, to);
+        }
+    }
 }
 
 impl Block {
@@ -270,32 +417,28 @@ impl Block {
         }
     }
 
-    /// Laws of a block, in words; `coulomb` may have cohesion.
+    /// Kinds of blocks in files, in words; `coulomb` may have cohesion.
     pub const LAWS: [&'static str; 5] = ["unilateral", "free", "tresca", "coulomb", "interval"];
-
-    /// Its place in [`Self::LAWS`].
-    pub fn law(&self) -> usize {
-        match self {
-            Self::Unilateral => 0,
-            Self::Free { .. } => 1,
-            Self::Frictional {
-                law: Friction::Tresca { .. },
-                ..
-            } => 2,
-            Self::Frictional { .. } => 3,
-            Self::Interval { .. } => 4,
-        }
-    }
 
     /// Its word in [`Self::LAWS`].
     pub fn name(&self) -> &'static str {
-        Self::LAWS[self.law()]
+        Self::LAWS[self.told().kind]
     }
 
-    /// A force and a number: beside λₙ it bears ‖λₜ‖ ≤ force + number · λₙ (a cohesive one while λₙ > 0); zeros without
-    /// friction.
-    pub fn terms(&self) -> (f64, f64) {
-        self.friction().map_or((0.0, 0.0), |law| law.terms())
+    /// What files and other languages call it, and its values.
+    pub fn told(&self) -> Told {
+        let told = |name, kind, bound| Told {
+            name,
+            kind,
+            bound,
+            coefficient: None,
+        };
+        match self {
+            Self::Unilateral => told("unilateral", 0, None),
+            Self::Free { .. } => told("free", 1, None),
+            Self::Frictional { law, .. } => law.told(),
+            Self::Interval { bound } => told("interval", 4, Some(*bound)),
+        }
     }
 
     /// Its law of friction, if it bounds the length of some components.
@@ -317,7 +460,7 @@ impl Block {
         match self {
             Self::Frictional { tangents, law: own } => law(own).block(tangents),
             Self::Interval { bound } => Self::Interval {
-                bound: law(Friction::Tresca { bound }).terms().0,
+                bound: law(Friction::Tresca { bound }).closed_bound(0.0),
             },
             other => other,
         }
@@ -363,7 +506,7 @@ impl Block {
             images.iter().map(|image| image.scaled(factor)).collect()
         };
         let mut all = Generators::default();
-        let Some((given, growth)) = self.friction().map(|law| law.terms()) else {
+        let Some(law) = self.friction() else {
             if self.is_free() {
                 let opposite = scaled(-1.0, &images);
                 let pairs = opposite.into_iter().zip(images);
@@ -372,13 +515,21 @@ impl Block {
             all.rays = images;
             return all;
         };
-        if given > 0.0 {
-            let bounded = self.shear(&(0..images.len()));
-            all.disc = Some(scaled(given, &images[bounded]));
+        let Touch { given, bend, .. } = law.touch(0.0);
+        let bounded = self.shear(&(0..images.len()));
+        if bend < 0.0 {
+            let radii = images[bounded].to_vec();
+            let bends = Some((images[0].clone(), law));
+            all.round = Some(Round { radii, bends });
+        } else if given > 0.0 {
+            let radii = scaled(given, &images[bounded]);
+            let bends = None;
+            all.round = Some(Round { radii, bends });
         }
         if !self.is_normal() {
             return all;
         }
+        let growth = law.touch(f64::INFINITY).growth;
         let radii = scaled(growth, &images[1..]);
         let axis = images.swap_remove(0);
         if growth <= 0.0 {
@@ -536,8 +687,8 @@ mod tests {
         assert!(!interval.is_free() && !interval.is_normal());
         assert_eq!(interval.friction(), Some(TRESCA));
         assert_eq!(
-            (interval.name(), interval.terms()),
-            ("interval", (0.5, 0.0))
+            (interval.name(), interval.told().bound),
+            ("interval", Some(0.5))
         );
         let half = interval.with_friction(|_| Friction::Tresca { bound: 0.25 });
         assert_eq!(half, Block::Interval { bound: 0.25 });
@@ -556,8 +707,8 @@ mod tests {
         // both ends of it and nothing else
         let found = interval.generators(vec![SparseVector::from_dense(&[2.0, -4.0])]);
         assert!(found.rays.is_empty() && found.cone.is_none());
-        let ends = found.disc.unwrap();
-        assert_eq!(ends, [SparseVector::from_dense(&[1.0, -2.0])]);
+        let ends = found.round.unwrap();
+        assert_eq!(ends.radii, [SparseVector::from_dense(&[1.0, -2.0])]);
     }
 
     #[test]
@@ -632,6 +783,7 @@ mod tests {
         let all =
             |vectors: &[[f64; 3]]| -> Vec<SparseVector> { vectors.iter().map(sparse).collect() };
         let of = |block: Block| block.generators(images[..block.size()].to_vec());
+        let disc = |radii| Some(Round { radii, bends: None });
         let free = of(Block::Free { size: 2 });
         let pairs = [
             [-1.0, 0.0, 0.0],
@@ -640,22 +792,22 @@ mod tests {
             [0.0, 2.0, 0.0],
         ];
         assert_eq!(free.rays, all(&pairs));
-        assert!(free.cone.is_none() && free.disc.is_none());
+        assert!(free.cone.is_none() && free.round.is_none());
         let unilateral = of(Block::Unilateral);
         assert_eq!(unilateral.rays, images[..1]);
-        assert!(unilateral.cone.is_none() && unilateral.disc.is_none());
+        assert!(unilateral.cone.is_none() && unilateral.round.is_none());
 
         let tresca = of(TRESCA.block(2));
         assert_eq!(tresca.rays, images[..1]);
         let half = all(&[[0.0, 1.0, 0.0], [0.0, 0.0, 2.0]]);
-        assert_eq!((tresca.cone, tresca.disc), (None, Some(half)));
+        assert_eq!((tresca.cone, tresca.round), (None, disc(half)));
         let smooth = of(Friction::Tresca { bound: 0.0 }.block(2));
         assert_eq!(smooth.rays, images[..1]);
-        assert_eq!((smooth.cone, smooth.disc), (None, None));
+        assert_eq!((smooth.cone, smooth.round), (None, None));
 
         let plane = of(COULOMB.block(1));
         assert_eq!(plane.rays, all(&[[1.0, -0.8, 0.0], [1.0, 0.8, 0.0]]));
-        assert_eq!((plane.cone, plane.disc), (None, None));
+        assert_eq!((plane.cone, plane.round), (None, None));
         let space = of(COULOMB.block(2));
         let edges = [
             [1.0, -0.8, 0.0],
@@ -666,11 +818,11 @@ mod tests {
         assert_eq!(space.rays, all(&edges));
         let radii = all(&[[0.0, 0.8, 0.0], [0.0, 0.0, 1.6]]);
         assert_eq!(space.cone, Some((images[0].clone(), radii)));
-        assert_eq!(space.disc, None);
+        assert_eq!(space.round, None);
 
         let cohesive = of(COHESIVE.block(2));
-        let disc = all(&[[0.0, 0.6, 0.0], [0.0, 0.0, 1.2]]);
-        assert_eq!(cohesive.disc, Some(disc));
+        let radii = all(&[[0.0, 0.6, 0.0], [0.0, 0.0, 1.2]]);
+        assert_eq!(cohesive.round, disc(radii));
         assert_eq!((cohesive.rays.len(), cohesive.cone.is_some()), (4, true));
     }
 }

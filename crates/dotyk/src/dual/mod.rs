@@ -38,7 +38,7 @@ pub(crate) use certificate::{BETWEEN_LIMIT, FORCE_LIMIT, NOT_OF_THE_SOLVER, ROUN
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, OfDomain, OfYield, Recomputed};
 pub use feasibility::{Feasibility, NO_WORK};
 pub(crate) use law::NONE;
-pub use law::{Block, Friction};
+pub use law::{Block, Friction, Told};
 pub use modes::Modes;
 pub use projection::Projector;
 pub use split::ModeSplit;
@@ -404,11 +404,11 @@ impl DualProblem {
             agree(shapes.into_iter().chain(columns))?;
         }
         for (block, law) in self.admissible.blocks().iter().enumerate() {
-            let Some((given, growth)) = law.friction().map(|law| law.terms()) else {
+            let Some(touch) = law.friction().map(|law| law.touch(0.0)) else {
                 continue;
             };
             let wrong = |value: &f64| !(*value >= 0.0 && value.is_finite());
-            if let Some(value) = [given, growth].into_iter().find(wrong) {
+            if let Some(value) = [touch.given, touch.growth].into_iter().find(wrong) {
                 return Err(DualError::Friction { block, value });
             }
         }

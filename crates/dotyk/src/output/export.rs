@@ -2,7 +2,7 @@
 //!
 //! Signs and the order of rows are those of the library; `dual.txt` says them beside the files.
 
-use crate::dual::{Compliance, Modes, Multipliers};
+use crate::dual::{Block, Compliance, Modes, Multipliers};
 use crate::model::{ASSEMBLED, Analysis, Dual, Unknown};
 use crate::output::csv::quoted;
 use crate::output::files::Stage;
@@ -159,17 +159,20 @@ pub fn put<const D: usize>(
         archive.floats(name, &[values.len()], values.to_vec());
         market.array(name, [values.len(), 1], &|i, _| values[i])?;
     }
-    let terms = || blocks.iter().map(|block| block.terms());
-    let (bounds, coefficients) = terms().unzip();
+    let values = |block: &Block| {
+        let told = block.told();
+        [told.bound, told.coefficient].map(|value| value.unwrap_or(0.0))
+    };
+    let (bounds, coefficients) = blocks.iter().map(values).map(<(f64, f64)>::from).unzip();
     archive.words("block_law", blocks.iter().map(|b| b.name()).collect());
     archive.integers("block_size", blocks.iter().map(|b| b.size()).collect());
     archive.floats("block_bound", &[blocks.len()], bounds);
     archive.floats("block_coefficient", &[blocks.len()], coefficients);
     market.array("blocks", [blocks.len(), 4], &|i, j| {
         let block = &blocks[i];
-        let (bound, coefficient) = block.terms();
+        let [bound, coefficient] = values(block);
         let size = block.size() as f64;
-        [block.law() as f64, size, bound, coefficient][j]
+        [block.told().kind as f64, size, bound, coefficient][j]
     })?;
     let weights = unknowns.iter().map(|unknown| unknown.weight).collect();
     archive.floats("weight", &[unknowns.len()], weights);

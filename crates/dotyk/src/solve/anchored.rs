@@ -124,8 +124,7 @@ pub(crate) fn anchored(
         let left = anchor.left(&search.point.lambda, &search.judge.gap);
         let mut next = search.next_states_of(&states, &left, own);
         let (now, then) = (State::keys(&states), State::keys(&next));
-        // in space the directions of slip go on turning in the same states
-        let turns = states.iter().any(State::may_turn);
+        let turns = State::turning(&states, &setup.admissible) > 0.0;
         let force = largest(0.0, &search.point.lambda);
         let settled = law_error(setup, &search.point.lambda, &left) <= accuracy * force;
         let answer = search.residual <= CERTAIN * search.tolerance;

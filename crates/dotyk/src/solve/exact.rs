@@ -134,8 +134,8 @@ impl Settled {
             return None;
         }
         let here = (search.residual, search.kind, search.point.clone());
-        // in space the directions of slip may still turn
-        let patience = match states.iter().any(State::may_turn) {
+        // directions of slip may still turn in space, bounds may bend
+        let patience = match State::turning(&states, &search.setup.admissible) > 0.0 {
             true => &NEAR,
             false => &ONCE,
         };
@@ -357,8 +357,8 @@ impl<'a> Search<'a> {
             let settles =
                 changed < std::mem::replace(&mut changing, changed) || self.residual < before;
             let falls = self.residual <= patience.factor * before;
-            // in space the directions of slip go on turning in the same states
-            let turns = states.iter().any(State::may_turn) && self.residual <= 0.5 * before;
+            let turning = State::turning(&states, &self.setup.admissible);
+            let turns = turning > 0.0 && self.residual <= turning * before;
             if (repeated || same) && !turns || !falls || step >= patience.settling && !settles {
                 return Ended::Stuck(next);
             }
@@ -861,6 +861,7 @@ mod tests {
                 share: 0.5,
             },
             excess: 0.0,
+            normal: 0.0,
         };
         // the trial shear is 1 − gap/2
         let next =

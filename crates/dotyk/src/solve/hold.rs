@@ -86,6 +86,7 @@ mod tests {
                 share: 0.5,
             },
             excess,
+            normal: 0.0,
         }
     }
 

@@ -87,11 +87,11 @@ const SMOOTH: f64 = 0.1;
 /// More unknowns than this are too many for a factor of all of them in each step.
 const MOST: usize = 2000;
 
-/// F where interior points apply; `None` where F is not assembled or too large, and for cohesive nodes, whose admissible forces
-/// form no cone.
+/// F where interior points apply; `None` where F is not assembled or too large, and where admissible forces form no cone: for
+/// cohesive nodes, and for bounds that bend.
 fn assembled<'a>(setup: &Setup<'a>) -> Option<&'a Mat<f64>> {
     match &setup.problem.compliance {
-        Compliance::Dense(compliance) if setup.len() <= MOST && !setup.admissible.jumps() => {
+        Compliance::Dense(compliance) if setup.len() <= MOST && setup.admissible.is_straight() => {
             Some(compliance)
         }
         _ => None,
@@ -325,7 +325,11 @@ impl Cone {
         let (normal, tangents) = (range.start, block.shear(&range));
         let alone = || Self::new(normal, normal..normal, (0.0, 1.0));
         let law = block.friction().filter(|law| !law.is_smooth());
-        let bounded = law.map(|law| (law.follows(), Self::new(normal, tangents, law.terms())));
+        let bounded = law.map(|law| {
+            let touch = law.touch(0.0);
+            let cone = Self::new(normal, tangents, (touch.given, touch.growth));
+            (law.follows(), cone)
+        });
         match (block.is_normal(), bounded) {
             (false, None) => Vec::new(),
             (false, Some((_, bounded))) | (true, Some((true, bounded))) => vec![bounded],

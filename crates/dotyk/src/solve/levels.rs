@@ -647,8 +647,8 @@ mod tests {
         assert_eq!(coarse.balance.load(), problem.balance.load());
         assert_eq!(coarse.scales, problem.scales);
         // coefficients are means: of 0.3 and 0.4
-        let (given, growth) = coarse.admissible.blocks()[1].friction().unwrap().terms();
-        assert!(given == 0.0 && (growth - 0.35).abs() < 1e-15);
+        let touch = coarse.admissible.blocks()[1].friction().unwrap().touch(0.0);
+        assert!(touch.given == 0.0 && (touch.growth - 0.35).abs() < 1e-15);
     }
 
     #[test]
@@ -744,6 +744,7 @@ mod tests {
                 share: 0.25,
             },
             excess: 3.0,
+            normal: 0.0,
         };
         let mut states = vec![
             open.clone(),

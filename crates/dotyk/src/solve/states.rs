@@ -3,13 +3,14 @@
 //! ```text
 //!   open:   λₙ = 0, λₜ = 0
 //!   stick:  gapₙ = 0, gapₜ = 0
-//!   slip:   gapₙ = 0, λₜ = bound · s,     bound = given + growth · λₙ, see `dual/law.rs`
+//!   slip:   gapₙ = 0, λₜ = bound · s,     bound = given + growth · λₙ
 //! ```
 //!
 //! An interval is a shear by itself: it sticks or slips, and counts as closed.
 //!
 //! The states follow from trial forces z = λ − gap/a with a compliance a: λₙ = max(0, zₙ), and λₜ is zₜ shortened to its
-//! bound. A bound that does not follow from λₙ holds in open contacts as well (`dual/law.rs`).
+//! bound. A bound that does not follow from λₙ holds in open contacts as well. Given and growth are those of the line that touches
+//! the bound at zₙ (`dual/law.rs`): it is the bound itself, or a step is one of Newton's method on a bound that bends.
 //!
 //! *Anchored* conditions ask for gap + a(λ − centre) = 0 in place of gap = 0: those of the problem with F + a, the proximal
 //! point step from `centre`. Its matrix is definite whatever F is.
@@ -28,6 +29,10 @@ use crate::solve::norm;
 
 /// A shear within this part of its bound is at it.
 const AT_BOUND: f64 = 1e-7;
+
+/// The part to which a residual must fall while directions of slip turn, and while bounds bend.
+const TURNING: f64 = 0.5;
+const BENDING: f64 = 1.0;
 
 /// State of the shear of a node.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +54,8 @@ pub(crate) struct State {
     pub shear: Shear,
     /// |z| − bound of the trial, a force: the excess shear.
     pub excess: f64,
+    /// The normal force at which a line touches the bound, ≥ 0.
+    pub normal: f64,
 }
 
 impl State {
@@ -63,6 +70,7 @@ impl State {
             closed: closed || !block.is_normal(),
             shear,
             excess: 0.0,
+            normal: 0.0,
         }
     }
 
@@ -94,6 +102,7 @@ impl State {
         let sheared = &trial[block.shear(&(0..trial.len()))];
         let (length, bound) = (norm(sheared), law.bound(trial[0]));
         state.excess = length - bound;
+        state.normal = trial[0].max(0.0);
         if length > bound {
             state.shear = Shear::Slip {
                 direction: sheared.iter().map(|z| z / length).collect(),
@@ -103,9 +112,19 @@ impl State {
         state
     }
 
-    /// It slips in space, where the direction is unknown, too.
-    pub fn may_turn(&self) -> bool {
-        matches!(&self.shear, Shear::Slip { direction, .. } if direction.len() > 1)
+    /// Steps from states that repeat themselves lead on to other forces where a node slips in space, as the direction is unknown, too,
+    /// or at a bound that bends: to what part the residual must fall for them to go on. Zero where they lead nowhere.
+    pub fn turning(states: &[Self], admissible: &AdmissibleSet) -> f64 {
+        let blocks = states.iter().zip(admissible.blocks());
+        let parts = blocks.map(|(state, block)| match &state.shear {
+            Shear::Slip { direction, .. } => match block.friction() {
+                Some(law) if law.touch(0.0).bend != 0.0 => BENDING,
+                _ if direction.len() > 1 => TURNING,
+                _ => 0.0,
+            },
+            _ => 0.0,
+        });
+        parts.fold(0.0, f64::max)
     }
 
     /// Those of all blocks.
@@ -212,7 +231,8 @@ pub(crate) fn unknowns(
             continue;
         }
         let law = block.friction();
-        let (given, growth) = law.map_or((0.0, 0.0), |law| law.terms());
+        let touch = law.map(|law| law.touch(state.normal));
+        let (given, growth) = touch.map_or((0.0, 0.0), |touch| (touch.given, touch.growth));
         if state.closed && block.is_normal() {
             let mut normal = plain(first);
             if let Shear::Slip { direction, .. } = &state.shear
@@ -354,15 +374,22 @@ mod tests {
             closed,
             shear,
             excess: 7.0,
+            normal: 0.0,
         };
         assert_eq!(state(true, Shear::Stick).key(), (true, 0));
         assert_eq!(state(false, Shear::Smooth).key(), (false, 1));
         assert_eq!(state(true, slip(&[0.6, -0.8], 0.5)).key(), (true, 2));
         assert_eq!(state(true, slip(&[-1.0], 0.5)).key(), (true, 3));
         assert_eq!(state(true, slip(&[0.0, 1.0], 0.5)).key(), (true, 3));
-        assert!(state(true, slip(&[0.6, 0.8], 0.5)).may_turn());
-        assert!(!state(true, slip(&[1.0], 0.5)).may_turn());
-        assert!(!state(true, Shear::Stick).may_turn());
+        let turning = |tangents: usize, shear: Shear| {
+            let set = AdmissibleSet::new(vec![Block::Unilateral, COULOMB.block(tangents)]);
+            State::turning(&[state(true, Shear::Stick), state(true, shear)], &set)
+        };
+        assert_eq!(turning(2, slip(&[0.6, 0.8], 0.5)), TURNING);
+        assert_eq!(
+            [turning(1, slip(&[1.0], 0.5)), turning(2, Shear::Stick)],
+            [0.0; 2]
+        );
         let smooth = Friction::Coulomb { coefficient: 0.0 }.block(1);
         let sticking = State::sticking(&smooth, true);
         assert_eq!((sticking.shear, sticking.excess), (Shear::Smooth, 0.0));
@@ -395,6 +422,7 @@ mod tests {
             closed,
             shear,
             excess: 0.0,
+            normal: 0.0,
         };
         let states = vec![
             state(false, Shear::Stick),
@@ -439,6 +467,7 @@ mod tests {
                 closed: true,
                 shear: slip(&[1.0], 0.5),
                 excess: 0.0,
+                normal: 0.0,
             },
         ];
         let (list, offset) = unknowns(&set, &states, Some(anchor), &[1.0; 4]);
@@ -465,6 +494,7 @@ mod tests {
                 closed: true,
                 shear: slip(&[0.6, -0.8], share),
                 excess: 0.0,
+                normal: 0.0,
             }]
         };
         let own = [5.0, 3.0, 3.0];

@@ -891,6 +891,7 @@ mod tests {
             closed,
             shear,
             excess: 0.0,
+            normal: 0.0,
         }
     }
 
@@ -908,7 +909,8 @@ mod tests {
         anchor: Option<Anchor<'_>>,
     ) -> (Vec<f64>, Vec<f64>) {
         let (m, r, f, modes) = (7, 2, definite(7), modes());
-        let (given, growth) = law.terms();
+        let touch = law.touch(0.0);
+        let (given, growth) = (touch.given, touch.growth);
         let mut a = Mat::<f64>::zeros(m + r, m + r);
         let mut right = vec![0.0; m + r];
         let mut closes = |i: usize, a: &mut Mat<f64>| {

@@ -44,8 +44,9 @@ fn stands(search: &mut Search<'_>, states: &[State], place: usize) -> bool {
         return true;
     }
     // it slips along the shear that would have held it, or back
-    let tangents = search.setup.admissible.range(place).skip(1);
-    let shear: Vec<f64> = tangents.map(|i| search.point.lambda[i]).collect();
+    let range = search.setup.admissible.range(place);
+    let normal = search.point.lambda[range.start].max(0.0);
+    let shear = search.point.lambda[block.shear(&range)].to_vec();
     let length = norm(&shear);
     let slips = |sign: f64| State {
         closed: true,
@@ -54,6 +55,7 @@ fn stands(search: &mut Search<'_>, states: &[State], place: usize) -> bool {
             share: 0.5,
         },
         excess: 0.0,
+        normal,
     };
     let mut either = [1.0, -1.0].map(slips).into_iter();
     length > 0.0 && either.any(|own| asks_for_itself(search, states, place, own))

@@ -13,7 +13,7 @@
 //! load then, even one that draws the body out from between the faces. But those forces have to come from elasticity, and a body
 //! that was not pressed in before is not pressed by being drawn out: it has no such forces.
 
-use crate::dual::{Block, Friction, Multipliers};
+use crate::dual::{Block, Multipliers};
 use crate::fem::show;
 use crate::geometry::{Point, dot};
 use crate::model::nouns::error::Advice;
@@ -108,15 +108,10 @@ fn jam<const D: usize>([first, second]: [Face<D>; 2]) -> Option<([f64; 2], f64)>
     (between < PI - SLIT && enclosed >= PI).then_some((coefficients, limit))
 }
 
-/// The coefficient of a law whose bound grows with the normal force.
+/// The coefficient of a law whose bound follows from the normal force: that of small forces, where it is largest.
 fn coefficient(block: &Block) -> Option<f64> {
-    match block {
-        Block::Frictional {
-            law: Friction::Coulomb { coefficient } | Friction::Cohesive { coefficient, .. },
-            ..
-        } => Some(*coefficient),
-        _ => None,
-    }
+    let law = block.friction().filter(|law| law.follows());
+    law.map(|law| law.touch(0.0).growth)
 }
 
 #[cfg(test)]

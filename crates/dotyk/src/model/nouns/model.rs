@@ -4,6 +4,7 @@ use crate::model::nouns::ids::{BodyId, SideRef};
 use std::convert::Infallible;
 use std::fmt;
 
+use crate::contact::Coupling;
 use crate::dual::Friction;
 use crate::geometry::{Field, Point};
 use crate::model::nouns::dimension::Dimension;
@@ -158,6 +159,15 @@ impl Law {
                 })
             }
         })
+    }
+
+    /// The displacements that it couples at a node.
+    pub(crate) fn coupling(&self) -> Coupling {
+        match self {
+            Self::Frictionless => Coupling::Normal,
+            Self::Tied => Coupling::Tied,
+            _ => Coupling::Frictional,
+        }
     }
 
     /// Its expressions.

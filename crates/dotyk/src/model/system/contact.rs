@@ -123,11 +123,7 @@ struct Contacting<'a, const D: usize> {
 
 impl<'a, const D: usize> Contacting<'a, D> {
     fn pair(&self) -> Result<Condition<D>, Error<D>> {
-        let coupling = match &self.contact.law {
-            Law::Frictionless => Coupling::Normal,
-            Law::Tied => Coupling::Tied,
-            _ => Coupling::Frictional,
-        };
+        let coupling = self.contact.law.coupling();
         let (nonmortar, opposite) = match &self.contact.pair {
             Pair::Obstacle {
                 nonmortar,

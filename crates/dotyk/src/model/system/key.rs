@@ -12,7 +12,7 @@
 use crate::fem::{Elastic, Material, Spring, Support};
 use crate::geometry::Field;
 use crate::model::nouns::model::{
-    Body, Contact, Couple, Gap, Law, Model, Motion, Obstacle, Pair, Rigid,
+    Body, Contact, Couple, Gap, Model, Motion, Obstacle, Pair, Rigid,
 };
 use std::sync::Arc;
 
@@ -146,7 +146,7 @@ fn same_contact<const D: usize>(a: &Contact<D>, b: &Contact<D>) -> bool {
         && (exclude, friction_exclude) == (&b.exclude, &b.friction_exclude)
         && same_pair(pair, &b.pair)
         && same_gap(gap.as_ref(), b.gap.as_ref())
-        && rows(law) == rows(&b.law)
+        && law.coupling() == b.law.coupling()
 }
 
 fn same_pair<const D: usize>(a: &Pair<D>, b: &Pair<D>) -> bool {
@@ -196,15 +196,6 @@ fn same_obstacle<const D: usize>(a: &Obstacle<D>, b: &Obstacle<D>) -> bool {
 /// Varying fields are evaluated anew at every time; equal constant fields may have merged conditions.
 fn same_field(a: &Field, b: &Field) -> bool {
     a.as_constant() == b.as_constant()
-}
-
-/// Kind of the rows of a node under a law: a normal one only, or tangential ones too, borne by all nodes or by closed ones.
-fn rows(law: &Law) -> u8 {
-    match law {
-        Law::Frictionless => 0,
-        Law::Tied => 1,
-        Law::Coulomb(_) | Law::Tresca(_) | Law::Cohesive { .. } => 2,
-    }
 }
 
 /// Lists of the same length whose elements are the same in pairs.
