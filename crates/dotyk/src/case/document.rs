@@ -48,7 +48,7 @@ const MOST_LISTED: usize = 10_000;
 const QUOTED: usize = 80;
 
 /// No count is this large.
-const MOST: f64 = 1e15;
+const MOST_COUNTED: f64 = 1e15;
 
 /// A key with its value.
 #[derive(Debug)]
@@ -269,7 +269,9 @@ impl Node {
                     let message = format!("{name} must come out whole, it is {value}");
                     return Err(Fault::new(&self.span, message).label("not whole"));
                 }
-                (0.0..MOST).contains(&whole).then_some(whole as usize)
+                (0.0..MOST_COUNTED)
+                    .contains(&whole)
+                    .then_some(whole as usize)
             }
             _ => return Err(self.expected("a positive integer")),
         };

@@ -15,7 +15,7 @@ use crate::mesh::{
 use crate::model::least;
 
 /// Bytes that every machine has.
-const SMALL: u64 = 10_000_000;
+const ALWAYS_THERE: u64 = 10_000_000;
 
 /// A side that every mesh has for patches: its whole boundary.
 const BOUNDARY: &str = "boundary";
@@ -284,7 +284,7 @@ fn few_enough<const D: usize>(table: Table<'_>, cells: u128, kind: CellKind) -> 
     } else {
         let needed = least::<D>(kind, cells as u64);
         // the query takes longer than a small mesh
-        let free = (needed > SMALL).then(free_memory).flatten();
+        let free = (needed > ALWAYS_THERE).then(free_memory).flatten();
         match free.filter(|&free| needed > free) {
             None => return Ok(()),
             Some(free) => format!(

@@ -106,7 +106,7 @@ struct Flat<'a, const D: usize> {
 }
 
 /// Facets that turn by less, in radians, are one flat part, and those that turn by ten times that may meet at a corner.
-const FLAT: f64 = 1e-3;
+const FLAT_PART: f64 = 1e-3;
 
 /// A flat part continues beyond a facet if it reaches farther by this factor.
 const BEYOND: f64 = 1.1;
@@ -120,7 +120,7 @@ impl<'a, const D: usize> Flat<'a, D> {
         let mut groups = Groups::new(facets.len());
         for meeting in around.values() {
             if let [(a, first), (b, second)] = meeting[..]
-                && angle(first.normal, second.normal) < FLAT
+                && angle(first.normal, second.normal) < FLAT_PART
                 && first.straight()
                 && second.straight()
             {
@@ -148,7 +148,7 @@ impl<'a, const D: usize> Flat<'a, D> {
     fn meet_at_corner(&self, a: (usize, &Piece<D>), b: (usize, &Piece<D>)) -> bool {
         let turn = angle(a.1.normal, b.1.normal);
         let goes_on = |(index, piece)| self.goes_on(index, piece);
-        turn > 10.0 * FLAT && goes_on(a) && goes_on(b)
+        turn > 10.0 * FLAT_PART && goes_on(a) && goes_on(b)
     }
 
     /// The flat part of a straight facet reaches farther from one of its places than the facet.
@@ -301,7 +301,7 @@ fn bows<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(f64, f64)> {
 
 impl<const D: usize> Piece<D> {
     fn straight(&self) -> bool {
-        self.rise.abs() < FLAT * self.length
+        self.rise.abs() < FLAT_PART * self.length
     }
 
     fn curvature(&self) -> f64 {

@@ -4,7 +4,7 @@
 //! outward normal is opposed. Node-to-node pairing is right where no facet with a node of its own sees the other side.
 
 use crate::contact::node_to_node::matching_nodes;
-use crate::contact::search::{Line, Search};
+use crate::contact::search::{Line, SideSearch};
 use crate::contact::{ContactError, End};
 use crate::geometry::{Point, add_scaled, sub, unit};
 use crate::mesh::{Facet, Mesh};
@@ -34,7 +34,7 @@ pub fn unmatched_facing<const D: usize>(
     for (own, other, of_mortar) in [(nonmortar, mortar, false), (mortar, nonmortar, true)] {
         let matches = matching_nodes(own, other)?;
         let mesh = &own.body.mesh;
-        let search = Search::new(mesh, &other.body.mesh, other.facets()?);
+        let search = SideSearch::new(mesh, &other.body.mesh, other.facets()?);
         for &facet in own.facets()? {
             let lonely = mesh
                 .facet_nodes(facet)
@@ -67,7 +67,7 @@ pub fn facets_coincide<const D: usize>(
     let (mesh, other) = (&nonmortar.body.mesh, &mortar.body.mesh);
     let matches = matching_nodes(nonmortar, mortar)?;
     let opposite = mortar.facets()?;
-    let search = Search::new(mesh, other, opposite);
+    let search = SideSearch::new(mesh, other, opposite);
     let nodes_of = |mesh: &Mesh<D>, facet: Facet| -> BTreeSet<usize> {
         mesh.facet_nodes(facet).map(|node| node as usize).collect()
     };
@@ -87,7 +87,7 @@ pub fn facets_coincide<const D: usize>(
 /// of their facets nodes have no multipliers in any pairing; the judge finds overlaps there between the nodes.
 const STARTS: [f64; 5] = [0.0, 0.5, 0.9, 0.99, 0.999];
 
-fn sees<const D: usize>(mesh: &Mesh<D>, facet: Facet, search: &Search<'_, D>) -> bool {
+fn sees<const D: usize>(mesh: &Mesh<D>, facet: Facet, search: &SideSearch<'_, D>) -> bool {
     let shallow = mesh.facet_length(facet);
     let kind = mesh.facet_kind(facet);
     let (corners, centre) = (kind.corners(), kind.domain().centre());

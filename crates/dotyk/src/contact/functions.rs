@@ -174,7 +174,7 @@ pub(super) struct Piece {
 }
 
 /// A place counts as inside a piece up to this distance in reference coordinates: on curved sides pieces end on straight lines.
-const BESIDE: f64 = 0.1;
+const BESIDE_PIECE: f64 = 0.1;
 
 impl Piece {
     /// Whether a place of the facet lies in the piece, or just beside it.
@@ -190,7 +190,7 @@ impl Piece {
                 0.0 => (off[0] * along[0] + off[1] * along[1]) / length,
                 _ => double.signum() * (along[0] * off[1] - along[1] * off[0]) / length,
             };
-            length == 0.0 || inwards >= -BESIDE
+            length == 0.0 || inwards >= -BESIDE_PIECE
         })
     }
 

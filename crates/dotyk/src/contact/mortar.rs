@@ -80,7 +80,7 @@ const ALIKE: f64 = 0.9;
 const LOOKED_AT: usize = 3;
 
 /// A line from a corner of a piece starts this part of the way to its middle: at the corner itself the other side may end.
-const INSIDE: f64 = 1e-3;
+const TO_MIDDLE: f64 = 1e-3;
 
 /// Components of nodes.
 type Components<const D: usize> = BTreeMap<usize, [bool; D]>;
@@ -219,7 +219,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                         .entry(node)
                         .or_insert((f64::INFINITY, (cell.facet, *at)));
                     if away < found.0 {
-                        let inside = |d: usize| corner[d] + INSIDE * (middle[d] - corner[d]);
+                        let inside = |d: usize| corner[d] + TO_MIDDLE * (middle[d] - corner[d]);
                         *found = (away, (cell.facet, [0, 1].map(inside)));
                     }
                 }

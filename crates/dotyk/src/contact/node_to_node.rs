@@ -129,7 +129,7 @@ pub fn pair_nodes<const D: usize>(
                 InitialGap::Closed => 0.0,
                 InitialGap::Given(field) => finite_gap(field, point, time, nonmortar)?,
             };
-            Ok(Some(Opposite {
+            Ok(Some(OppositeNode {
                 nodes: vec![(j, 1.0)],
                 facing,
                 normal,
@@ -167,7 +167,7 @@ pub fn pair_obstacle<const D: usize>(
             let Some((facing, gap)) = rigid.opposite(place, time, nonmortar)? else {
                 return Ok(None);
             };
-            Ok(Some(Opposite {
+            Ok(Some(OppositeNode {
                 nodes: vec![(0, 1.0)],
                 facing,
                 normal: relative.free_normal(facing),
@@ -179,7 +179,7 @@ pub fn pair_obstacle<const D: usize>(
 }
 
 /// The opposite of a node.
-struct Opposite<const D: usize> {
+struct OppositeNode<const D: usize> {
     nodes: Vec<(usize, f64)>,
     /// The direction to it.
     facing: Point<D>,
@@ -194,7 +194,7 @@ fn build<const D: usize>(
     coupling: Coupling,
     (analysis, corners): (Analysis, &Corners<D>),
     faces: impl Fn(usize, Point<D>) -> bool,
-    opposite: impl Fn(usize, Point<D>) -> Result<Option<Opposite<D>>, ContactError>,
+    opposite: impl Fn(usize, Point<D>) -> Result<Option<OppositeNode<D>>, ContactError>,
 ) -> Result<Interface<D>, ContactError> {
     let mesh = &nonmortar.body.mesh;
     let facets = nonmortar.facets()?;

@@ -75,7 +75,7 @@ impl<const D: usize> Rigid<D> {
 }
 
 /// Points that are closer than this part of their coordinates are the same.
-const SAME: f64 = 1e-13;
+const SAME_POINT: f64 = 1e-13;
 
 /// Surfaces count as opposed when the cosine between the normals is below this.
 const OPPOSED: f64 = -0.1;
@@ -96,7 +96,7 @@ fn surface_opposite<const D: usize>(
     };
     // a point outside the obstacle has no obstacle behind it, through the body
     let out = surface.distance(point) * if inside { -1.0 } else { 1.0 };
-    let rounding = SAME * (norm(point) + norm(surface.closest(point)));
+    let rounding = SAME_POINT * (norm(point) + norm(surface.closest(point)));
     let back = if out < rounding { f64::INFINITY } else { 0.0 };
     let hits = surface.intersections(point, normal).into_iter();
     let hits = hits.filter(|&s| s >= -back);

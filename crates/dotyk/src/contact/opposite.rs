@@ -3,7 +3,7 @@
 use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
 use crate::contact::obstacle::{Rigid, finite_gap};
-use crate::contact::search::{Hit, Line, Search};
+use crate::contact::search::{Hit, Line, SideSearch};
 use crate::contact::{Against, ContactError, End, InitialGap};
 use crate::fem::TrueSurface;
 use crate::geometry::{Point, add_scaled};
@@ -19,7 +19,7 @@ pub(super) struct Opposite<'a, const D: usize> {
     /// True surfaces of both sides; `None` for an obstacle.
     surfaces: [Option<TrueSurface<'a, D>>; 2],
     /// None against an obstacle.
-    pub search: Option<Search<'a, D>>,
+    pub search: Option<SideSearch<'a, D>>,
 }
 
 impl<'a, const D: usize> Opposite<'a, D> {
@@ -37,7 +37,11 @@ impl<'a, const D: usize> Opposite<'a, D> {
             Against::Side(mortar) => {
                 let other = mortar.facets()?;
                 surfaces[1] = Some(true_surface(mortar, other)?);
-                Some(Search::new(&nonmortar.body.mesh, &mortar.body.mesh, other))
+                Some(SideSearch::new(
+                    &nonmortar.body.mesh,
+                    &mortar.body.mesh,
+                    other,
+                ))
             }
         };
         Ok(Self {
@@ -63,7 +67,7 @@ impl<'a, const D: usize> Opposite<'a, D> {
         }
     }
 
-    /// The hit of a line from a facet on the other side's mesh, if it faces it; see [`Search::opposite`].
+    /// The hit of a line from a facet on the other side's mesh, if it faces it; see [`SideSearch::opposite`].
     pub fn facing(&self, facet: Facet, line: Line<D>) -> Option<Hit> {
         let shallow = self.mesh().facet_length(facet);
         self.search.as_ref()?.opposite(line, shallow)
@@ -90,7 +94,7 @@ impl<'a, const D: usize> Opposite<'a, D> {
         };
         let there = |hit: &Hit| {
             let beside = (hit.distance - nearest.distance).abs();
-            beside <= SAME * mortar.body.mesh.facet_length(hit.facet)
+            beside <= SAME_DISTANCE * mortar.body.mesh.facet_length(hit.facet)
         };
         let hit = match among(nearest.facet) {
             true => Some(nearest),
@@ -154,7 +158,7 @@ impl<'a, const D: usize> Opposite<'a, D> {
 }
 
 /// Distances along a line that differ by less than this part of a facet are equal: facets meet at their edges up to rounding.
-const SAME: f64 = 1e-6;
+const SAME_DISTANCE: f64 = 1e-6;
 
 /// Distance along a line by which the true surface of its side lies in front of its starting facet; zero without a known surface.
 fn rise<const D: usize>(surface: &Option<TrueSurface<'_, D>>, facet: Facet, line: Line<D>) -> f64 {

@@ -101,7 +101,7 @@ struct Part {
 const SLIVER: f64 = 1e-12;
 
 /// Lengths below this part of a facet are rounding.
-const ROUNDING: f64 = 1e-9;
+const LENGTH_ROUNDING: f64 = 1e-9;
 
 /// A facet of the nonmortar side, and coordinates in which it is cut.
 struct Chart<'a> {
@@ -163,7 +163,7 @@ fn form(mesh: &Mesh<3>, facet: Facet) -> (Form, Plane, f64) {
     let away = |x: &Point<3>| norm(sub(*x, origin));
     let size = points.iter().map(away).fold(0.0, f64::max);
     let off_plane = |x: &Point<3>| dot(normal, sub(*x, origin)).abs();
-    let level = points.iter().map(off_plane).fold(0.0, f64::max) <= ROUNDING * size;
+    let level = points.iter().map(off_plane).fold(0.0, f64::max) <= LENGTH_ROUNDING * size;
     let linear = kind.domain().linear();
     let mut straight = true;
     for (xi, point) in kind.reference_nodes().iter().zip(&points).skip(corners) {
@@ -171,14 +171,14 @@ fn form(mesh: &Mesh<3>, facet: Facet) -> (Form, Plane, f64) {
         linear.shape(xi, &mut hats);
         let middle = hats[..corners].iter().zip(&points);
         let middle = middle.fold([0.0; 3], |sum, (&h, &x)| add_scaled(sum, h, x));
-        straight &= norm(sub(middle, *point)) <= ROUNDING * size;
+        straight &= norm(sub(middle, *point)) <= LENGTH_ROUNDING * size;
     }
     let taper = match points[..corners] {
         [a, b, c, d] => norm(sub(add_scaled(a, 1.0, c), add_scaled(b, 1.0, d))) / (4.0 * size),
         _ => 0.0,
     };
     let form = match (straight, level) {
-        (true, _) if taper <= ROUNDING => Form::Affine,
+        (true, _) if taper <= LENGTH_ROUNDING => Form::Affine,
         (true, true) => Form::Plane(taper),
         _ => Form::Curved,
     };
@@ -195,7 +195,7 @@ impl<'a> Chart<'a> {
             .iter()
             .map(|xi| sides.normals.at(facet, xi))
             .collect();
-        let same = |n: &Point<3>| norm(sub(*n, normals[0])) <= ROUNDING;
+        let same = |n: &Point<3>| norm(sub(*n, normals[0])) <= LENGTH_ROUNDING;
         let parallel = normals.iter().all(same);
         let in_plane = parallel && matches!(shape, Form::Plane(_));
         let plane = in_plane.then_some(plane);
@@ -241,7 +241,7 @@ impl<'a> Chart<'a> {
         let linear = self.kind.domain().linear();
         let [x, y0, _] = self.kind.domain().centre();
         let (mut xi, mut s, mut settling) = ([x, y0], 0.0, Settling::new());
-        for _ in 0..STEPS {
+        for _ in 0..PLACE_STEPS {
             let (mut hats, mut slopes) = ([0.0; 4], [[0.0; 2]; 4]);
             linear.shape(&xi, &mut hats);
             linear.gradients(&xi, &mut slopes);
@@ -367,8 +367,8 @@ impl<'a> Chart<'a> {
                 };
                 let taper = f64::max(taper(a), taper(b));
                 // shape functions of a tapered facet are power series in its taper: required digits over digits per term
-                let terms = (-ROUNDING.log10() / -taper.min(0.5).log10()).ceil();
-                base + (terms as usize).min(MOST)
+                let terms = (-LENGTH_ROUNDING.log10() / -taper.min(0.5).log10()).ceil();
+                base + (terms as usize).min(MOST_DEGREES)
             }
         }
     }
@@ -400,14 +400,14 @@ impl<'a> Chart<'a> {
 }
 
 /// Most steps of the search for the place of a point.
-const STEPS: usize = 20;
+const PLACE_STEPS: usize = 20;
 
 /// Distances along a line that differ by less than this part of a facet are of one sheet.
 const SHEET: f64 = 0.01;
 
 /// Additional degrees for curved facets, and the most for tapered ones.
 const CURVED: usize = 2;
-const MOST: usize = 14;
+const MOST_DEGREES: usize = 14;
 
 /// Total degree of the shape functions of a facet.
 fn degree(kind: CellKind) -> usize {
@@ -476,7 +476,8 @@ fn merge(polygon: &mut Vec<[f64; 2]>) {
         .iter()
         .flatten()
         .fold(1.0, |most: f64, c| most.max(c.abs()));
-    let same = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= ROUNDING * far;
+    let same =
+        |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) <= LENGTH_ROUNDING * far;
     polygon.dedup_by(|a, b| same(a, b));
     while polygon.len() > 1 && same(&polygon[0], &polygon[polygon.len() - 1]) {
         polygon.pop();

@@ -21,7 +21,7 @@ use crate::fem::Held;
 use crate::geometry::{Point, add_scaled, cross, dot, norm, padded, unit};
 
 /// Parts of directions below this are rounding.
-const ROUNDING: f64 = 1e-6;
+const DIRECTION_ROUNDING: f64 = 1e-6;
 
 /// The unit vectors in which the forces of a contact are counted: its normal, then the tangents, in the plane the normal
 /// turned by +90°.
@@ -41,7 +41,9 @@ pub fn frame<const D: usize>(normal: Point<D>, held: &[Point<D>]) -> [Point<D>; 
     // a held direction along the normal has no direction in the tangent plane
     let held = held.iter().map(|&direction| across(direction));
     let along = held.max_by(|a, b| norm(*a).total_cmp(&norm(*b)));
-    let first = along.filter(|rest| norm(*rest) > ROUNDING).and_then(unit);
+    let first = along
+        .filter(|rest| norm(*rest) > DIRECTION_ROUNDING)
+        .and_then(unit);
     frame[1] = first.or_else(|| unit(across(axis))).unwrap_or(axis);
     let last = cross(padded(normal), padded(frame[1]));
     frame[2] = std::array::from_fn(|d| last[d]);
@@ -53,7 +55,7 @@ pub(super) fn tangents_along<const D: usize>(
     frame: &[Point<D>; D],
     direction: Point<D>,
 ) -> [bool; D] {
-    std::array::from_fn(|c| c > 0 && dot(frame[c], direction).abs() > ROUNDING)
+    std::array::from_fn(|c| c > 0 && dot(frame[c], direction).abs() > DIRECTION_ROUNDING)
 }
 
 /// Whether no held direction has parts along two tangents: a row is either held or free.
@@ -93,7 +95,7 @@ impl<const D: usize> Relative<D> {
     pub fn oblique(&self, normal: Point<D>) -> Option<Point<D>> {
         free_part(normal, self.prescribed.iter().copied())?;
         let mut still = self.still.iter().copied();
-        still.find(|&h| dot(h, normal).abs() > ROUNDING)
+        still.find(|&h| dot(h, normal).abs() > DIRECTION_ROUNDING)
     }
 
     /// Which components along a frame carry no multiplier, because they are prescribed or not coupled at all.
@@ -106,7 +108,7 @@ impl<const D: usize> Relative<D> {
             Coupling::Normal => std::array::from_fn(|c| c > 0 || normal_held),
             Coupling::Frictional => std::array::from_fn(|c| match c {
                 0 => normal_held,
-                _ => normal_held || part(&self.still, frame[c]) > ROUNDING,
+                _ => normal_held || part(&self.still, frame[c]) > DIRECTION_ROUNDING,
             }),
             Coupling::Tied => {
                 let held = |c: &usize| part(&self.prescribed, frame[*c]);
@@ -136,7 +138,7 @@ pub(super) fn shared<const D: usize>(a: &[Point<D>], b: &[Point<D>]) -> Vec<Poin
         let rest = b
             .iter()
             .fold(*axis, |rest, &h| add_scaled(rest, -dot(*axis, h), h));
-        norm(rest) < ROUNDING
+        norm(rest) < DIRECTION_ROUNDING
     };
     match (a.len() == D, b.len() == D) {
         (_, true) => a.to_vec(),
@@ -153,7 +155,7 @@ pub(super) fn free_part<const D: usize>(
     let rest = directions.into_iter().fold(normal, |rest, axis| {
         add_scaled(rest, -dot(rest, axis), axis)
     });
-    unit(rest).filter(|_| norm(rest) > ROUNDING)
+    unit(rest).filter(|_| norm(rest) > DIRECTION_ROUNDING)
 }
 
 #[cfg(test)]

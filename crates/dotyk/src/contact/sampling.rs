@@ -81,23 +81,23 @@ fn places(kind: CellKind) -> Vec<[f64; 2]> {
 }
 
 /// Steps of the lattice along an edge.
-const STEPS: usize = 8;
+const LATTICE: usize = 8;
 
 /// The points of a lattice over a surface, its edges included, corners left out.
 fn lattice(kind: CellKind) -> Vec<[f64; 2]> {
     let corners = &kind.reference_nodes()[..kind.corners()];
     let (origin, ends) = (corners[0], [corners[1], corners[kind.corners() - 1]]);
-    let part = |k: usize| k as f64 / STEPS as f64;
+    let part = |k: usize| k as f64 / LATTICE as f64;
     let at = |i: usize, j: usize| {
         [0, 1].map(|d| {
             let along = part(i) * (ends[0][d] - origin[d]);
             origin[d] + along + part(j) * (ends[1][d] - origin[d])
         })
     };
-    let inside = |i: usize, j: usize| kind.corners() > 3 || i + j <= STEPS;
-    let ends_at = |k: usize| k == 0 || k == STEPS;
+    let inside = |i: usize, j: usize| kind.corners() > 3 || i + j <= LATTICE;
+    let ends_at = |k: usize| k == 0 || k == LATTICE;
     let is_corner = |i: usize, j: usize| ends_at(i) && ends_at(j);
-    let places = (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j)));
+    let places = (0..=LATTICE).flat_map(|i| (0..=LATTICE).map(move |j| (i, j)));
     let places = places.filter(|&(i, j)| inside(i, j) && !is_corner(i, j));
     places.map(|(i, j)| at(i, j)).collect()
 }

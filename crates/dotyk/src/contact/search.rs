@@ -224,7 +224,7 @@ fn meet_line<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> Opt
 fn meet_surface<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> Option<[f64; 2]> {
     let [x, y, _] = mesh.facet_kind(facet).domain().centre();
     let (mut xi, mut s, mut settling) = ([x, y], 0.0, Settling::new());
-    for _ in 0..STEPS {
+    for _ in 0..LINE_STEPS {
         let rest = sub(
             add_scaled(line.start, s, line.direction),
             mesh.facet_point(facet, &xi),
@@ -250,7 +250,7 @@ fn meet_surface<const D: usize>(mesh: &Mesh<D>, facet: Facet, line: Line<D>) -> 
 }
 
 /// Most steps to where a line meets a facet.
-const STEPS: usize = 20;
+const LINE_STEPS: usize = 20;
 
 /// The root of αξ² + βξ + γ that is smaller in magnitude; `None` without a real root.
 fn quadratic_root(alpha: f64, beta: f64, gamma: f64) -> Option<f64> {
@@ -309,13 +309,13 @@ const NEAR: f64 = 1e-6;
 const LONGEST: f64 = 2.0;
 
 /// The search from points of one body for a side of another.
-pub(crate) struct Search<'a, const D: usize> {
+pub(crate) struct SideSearch<'a, const D: usize> {
     side: Screen<'a, D>,
     own: Boundary<'a, D>,
     other: Boundary<'a, D>,
 }
 
-impl<'a, const D: usize> Search<'a, D> {
+impl<'a, const D: usize> SideSearch<'a, D> {
     /// Prepares a search from `own` for these facets of `other`.
     pub fn new(own: &'a Mesh<D>, other: &'a Mesh<D>, facets: &[Facet]) -> Self {
         Self {
@@ -382,7 +382,7 @@ impl<'a, const D: usize> Search<'a, D> {
     }
 }
 
-impl Search<'_, 2> {
+impl SideSearch<'_, 2> {
     /// Facets of the other side that lines between these two may meet.
     pub fn between(&self, lines: [Line<2>; 2]) -> Vec<Facet> {
         let meets = |low, high| meets_between(lines, low, high);
@@ -470,7 +470,7 @@ impl Prism {
     }
 }
 
-impl Search<'_, 3> {
+impl SideSearch<'_, 3> {
     /// Facets of the other side that may reach into the volume swept by the normals of a facet.
     pub fn within(&self, prism: &Prism) -> Vec<Facet> {
         self.side.select(|low, high| prism.meets(low, high))
@@ -510,7 +510,7 @@ mod tests {
                 .map_points(|[x, y]| [x, y + 0.1 * x * x])
                 .unwrap();
             let facets = upper.side("bottom").unwrap();
-            let search = Search::new(&lower, &upper, facets);
+            let search = SideSearch::new(&lower, &upper, facets);
             let hit = search.opposite(up(2.3, 1.0), 1.0).unwrap();
             let [x, _] = upper.facet_point(hit.facet, &hit.xi);
             assert!((x - 2.3).abs() < 1e-14);
@@ -526,7 +526,7 @@ mod tests {
         let lower = block([0.0, 0.0], [4.0, 1.0], CellKind::Quad4);
         let upper = block([0.0, 0.9], [4.0, 2.0], CellKind::Quad4);
         let all = upper.boundary_facets();
-        let search = Search::new(&lower, &upper, &all);
+        let search = SideSearch::new(&lower, &upper, &all);
         let overlap = search.opposite(up(1.3, 1.0), 0.01).unwrap();
         assert!((overlap.distance + 0.1).abs() < 1e-14);
         // from the bottom, looking down: the top of the upper body is behind, but outside the lower one
@@ -542,7 +542,7 @@ mod tests {
         let lower = block([0.0, 0.0], [4.0, 1.0], CellKind::Quad4);
         let upper = block([0.1, 0.999], [6.0, 2.0], CellKind::Quad4);
         let all = upper.boundary_facets();
-        let search = Search::new(&lower, &upper, &all);
+        let search = SideSearch::new(&lower, &upper, &all);
         // its left side is behind, inside of the lower body all the way
         let right = Line {
             start: [4.0, 0.9995],
@@ -568,7 +568,7 @@ mod tests {
         for squeeze in [0.25, 0.5] {
             let upper = sunk.clone().map_points(|[x, y]| [squeeze * x + 1.0, y]);
             let upper = upper.unwrap();
-            let search = Search::new(&lower, &upper, &upper.boundary_facets());
+            let search = SideSearch::new(&lower, &upper, &upper.boundary_facets());
             assert_eq!(search.opposite(left, 1.0), None);
             assert_eq!(search.opposite(left, 9.0), None);
             let overlap = search.opposite(up(1.7, 1.0), 1.0).unwrap();
@@ -586,7 +586,7 @@ mod tests {
             facets.filter(level).collect()
         };
         let met = |own: &Mesh<2>, other: &Mesh<2>, height: f64| {
-            let search = Search::new(own, other, &at(other, height));
+            let search = SideSearch::new(own, other, &at(other, height));
             search.opposite(up(1.3, 1.0), 1.0).map(|hit| hit.distance)
         };
         let near = |found: Option<f64>, s: f64| (found.unwrap() - s).abs() < 1e-14;
@@ -696,7 +696,7 @@ mod tests {
     fn lines_between_two_lines_may_meet_the_facets_there_alone() {
         let upper = flat(&[0.0, 1.0, 2.0, 3.0, 4.0], 1.0, CellKind::Quad4);
         let facets = upper.mesh.side("bottom").unwrap();
-        let search = Search::new(&upper.mesh, &upper.mesh, facets);
+        let search = SideSearch::new(&upper.mesh, &upper.mesh, facets);
         let found = search.between([up(1.2, -1.0), up(2.7, -1.0)]);
         assert_eq!(found, facets[1..3]);
     }
@@ -799,7 +799,7 @@ mod tests {
         for [dx, dy] in offsets {
             let moved = nodes.map(|[x, y]| [x + dx, y + dy]);
             let body = wall(&moved, 3.0 + dy, CellKind::Quad8);
-            let search = Search::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
+            let search = SideSearch::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
             let line = Line {
                 start: [dx + 5.0, dy + 1.1],
                 direction: [-1.0, 0.0],
@@ -816,7 +816,7 @@ mod tests {
     fn a_line_may_miss_the_end_of_a_facet_by_rounding_alone() {
         for (from, end, beyond) in [(0.0, 0.0, -1.0), (-1.0, 0.0, 1.0)] {
             let body = flat(&[from, from + 1.0], 1.0, CellKind::Quad4);
-            let search = Search::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
+            let search = SideSearch::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
             // the reference coordinate is twice as long as the facet
             for (part, met) in [(0.0, true), (0.47e-9, true), (0.53e-9, false)] {
                 let line = up(end + beyond * part, -2.0);
@@ -829,7 +829,7 @@ mod tests {
     fn a_facet_that_is_nearly_along_the_line_is_not_opposed() {
         // its normal is twice as long as a unit vector
         let body = flat(&[0.0, 4.0], 1.0, CellKind::Quad4);
-        let search = Search::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
+        let search = SideSearch::new(&body.mesh, &body.mesh, body.mesh.side("bottom").unwrap());
         for (sine, opposed) in [(0.105, true), (0.095, false), (-0.105, false)] {
             let direction = [f64::sqrt(1.0 - sine * sine), sine];
             let start = add_scaled([2.0, 0.0], -0.2, direction);
@@ -841,7 +841,7 @@ mod tests {
     /// The search agrees with asking every facet, for lines in all directions from around a point.
     fn check_search<const D: usize>(mesh: &Mesh<D>, centre: Point<D>) {
         let facets = mesh.boundary_facets();
-        let search = Search::new(mesh, mesh, &facets);
+        let search = SideSearch::new(mesh, mesh, &facets);
         let mut noise = noise();
         let mut met = 0;
         for _ in 0..300 {
@@ -896,7 +896,7 @@ mod tests {
     fn of_two_facets_at_the_same_distance_the_first_is_opposite() {
         let body = flat(&[0.0, 1.0, 2.0], 1.0, CellKind::Quad4);
         let facets = body.mesh.side("bottom").unwrap();
-        let search = Search::new(&body.mesh, &body.mesh, facets);
+        let search = SideSearch::new(&body.mesh, &body.mesh, facets);
         let hit = search.opposite(up(1.0, -0.5), 1.0).unwrap();
         assert_eq!((hit.facet, hit.distance), (facets[0], 0.5));
     }
@@ -919,7 +919,7 @@ mod tests {
                 (&thin, 0.095, false),
                 (&thick, 0.095, true),
             ] {
-                let search = Search::new(own, &upper, facets);
+                let search = SideSearch::new(own, &upper, facets);
                 let hit = search.opposite(line, shallow * scale);
                 assert_eq!(hit.is_some(), found, "{scale} {shallow}");
                 if let Some(hit) = hit {

@@ -349,7 +349,7 @@ pub(crate) struct Violations {
 }
 
 /// Forces of a contact are compared with its own largest one, at least this part of the largest one of its domain.
-const SMALL: f64 = 1e-3;
+const SMALL_CONTACT: f64 = 1e-3;
 
 /// Loads of a domain count by this part beside the forces of its contacts.
 const PASSES: f64 = 1e-6;
@@ -464,7 +464,7 @@ impl Violations {
             let driving = told(domain, &domains[domain]).driving_force;
             let load = problem.domain_scales(domain).force.max(driving);
             let whole = domains[domain].force.max(PASSES * load);
-            let scale = found.force.max(SMALL * whole);
+            let scale = found.force.max(SMALL_CONTACT * whole);
             self.tension.raise(found.tension, scale);
             self.force_error.raise(found.error, scale);
             self.open.raise(found.open, scale);

@@ -24,7 +24,7 @@ use crate::linalg::{Cholesky, LinalgError, SparseVector, WeightedGram};
 const BOUNDED: f64 = 1e-12;
 
 /// Most steps of the interior point method; 15 to 30 are usual.
-const STEPS: usize = 80;
+const CONE_STEPS: usize = 80;
 
 /// Mean product xⱼsⱼ and residual where it has converged.
 const CLOSE: f64 = 1e-13;
@@ -40,14 +40,14 @@ const CORRECTIONS: usize = 6;
 const PROJECTIONS: usize = 60;
 
 /// Rests below this part of the target are rounding.
-const NOTHING: f64 = 1e-14;
+const NO_REST: f64 = 1e-14;
 
 /// Up to this rest the cone contains the target.
-const INSIDE: f64 = 1e-12;
+const CONTAINED: f64 = 1e-12;
 
 /// Tolerance of column·rest: relative to the rest, or rounding of the target.
 const GAIN: f64 = 1e-10;
-const ROUNDING: f64 = 1e-13;
+const REST_ROUNDING: f64 = 1e-13;
 
 /// Relative compliance of the columns to which the rest is to be orthogonal.
 const STIFF: f64 = 1e-8;
@@ -154,7 +154,7 @@ impl Cone {
             y: Vec::new(),
         };
         point.y = self.rest(&point.x);
-        for _ in 0..STEPS {
+        for _ in 0..CONE_STEPS {
             let residual = self.residual(&point);
             let mean = dot(&point.x, &point.s) / p.max(1) as f64;
             let open = norm(&residual.primal).max(norm(&residual.dual));
@@ -221,7 +221,7 @@ impl Cone {
     fn inside(&self, mut x: Vec<f64>) -> Option<Vec<f64>> {
         let mut best = self.rest(&x);
         for _ in 0..CORRECTIONS {
-            if norm(&best) <= NOTHING {
+            if norm(&best) <= NO_REST {
                 break;
             }
             let largest = x.iter().fold(0.0, |s: f64, x| s.max(*x));
@@ -239,7 +239,7 @@ impl Cone {
             }
             (x, best) = (moved, rest);
         }
-        (norm(&best) <= INSIDE).then_some(best)
+        (norm(&best) <= CONTAINED).then_some(best)
     }
 
     /// The rest where the cone does not contain the target.
@@ -251,7 +251,7 @@ impl Cone {
             let before = y.clone();
             factor.solve(&mut y);
             let change = y.iter().zip(&before).map(|(a, b)| (a - b).abs());
-            if change.fold(0.0, f64::max) <= NOTHING {
+            if change.fold(0.0, f64::max) <= NO_REST {
                 break;
             }
         }
@@ -260,7 +260,7 @@ impl Cone {
         let gains = self.gains(&y).into_iter().fold(0.0, f64::max);
         let away = y.iter().zip(&point.y).map(|(a, b)| (a - b).powi(2));
         let near = away.sum::<f64>().sqrt() <= 1e-4 * size;
-        (separates && near && gains <= (GAIN * size).max(ROUNDING)).then_some(y)
+        (separates && near && gains <= (GAIN * size).max(REST_ROUNDING)).then_some(y)
     }
 }
 
@@ -474,7 +474,7 @@ mod tests {
             assert!(
                 along
                     .inside(vec![start])
-                    .is_some_and(|rest| norm(&rest) <= NOTHING)
+                    .is_some_and(|rest| norm(&rest) <= NO_REST)
             );
         }
         assert!(along.outside(&along.interior().unwrap()).is_none());

@@ -74,7 +74,7 @@ const BORNE: f64 = 1e-11;
 const SEPARATED: f64 = 1e-9;
 
 /// Corners of a polygon are farther apart than this.
-const APART: f64 = 1e-5;
+const CORNERS_APART: f64 = 1e-5;
 
 /// An edge adds nothing if the cosine of its angle to the rest is below this.
 const ALONG: f64 = 1e-13;
@@ -345,7 +345,8 @@ impl Carrier {
                 let length = norm(&shear).max(f64::MIN_POSITIVE);
                 for turn in [shear.map(|s| s / length), steepest] {
                     let beside = |own: &[f64; 2]| {
-                        (own[0] - turn[0]).hypot(own[1] - turn[1]) > APART && norm(&turn) > 0.5
+                        (own[0] - turn[0]).hypot(own[1] - turn[1]) > CORNERS_APART
+                            && norm(&turn) > 0.5
                     };
                     if turns.iter().all(beside) {
                         turns.push(turn);

@@ -26,7 +26,7 @@ use std::ops::Range;
 pub(super) const MANY: usize = 96;
 
 /// Singular values above this part of the largest are far from zero.
-const FAR: f64 = 1e-3;
+const FAR_FROM_ZERO: f64 = 1e-3;
 
 /// Most modes that are taken together.
 const TOGETHER: usize = 12;
@@ -109,7 +109,8 @@ impl Split {
         let gram = WeightedGram::new(split.rows.len(), &columns).ok()?;
         let sizes = split.rows.iter().map(|row| row.norm().powi(2));
         let size = sizes.fold(0.0, f64::max);
-        gram.factor(&columns, |_, _| 1.0, -FAR * FAR * size).ok()?;
+        gram.factor(&columns, |_, _| 1.0, -FAR_FROM_ZERO * FAR_FROM_ZERO * size)
+            .ok()?;
         split.coarse = Some(gram.factor(&columns, |_, _| 1.0, 0.0).ok()?);
         Some(split)
     }
@@ -339,7 +340,7 @@ pub(super) mod tests {
             ];
             Split::by_body(&rows).is_some()
         };
-        let limit = FAR / 2f64.sqrt();
+        let limit = FAR_FROM_ZERO / 2f64.sqrt();
         // whatever the unit of forces is
         for size in [1e-2, 1.0, 1e2] {
             assert!(proved(1.02 * limit, size) && !proved(0.98 * limit, size));

@@ -338,14 +338,14 @@ impl Initial {
             magnitude: all.into_iter().map(norm).sum(),
             rounding: cells
                 .into_iter()
-                .map(|area| ROUNDING * largest * area)
+                .map(|area| SUM_ROUNDING * largest * area)
                 .collect(),
         }))
     }
 }
 
 /// Relative rounding of forces as sums; in cells of all kinds, near and far from the origin, up to 0.6 ε was observed.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+const SUM_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Nodal forces of the initial stress and strain of a body.
 pub(crate) struct Held {

@@ -158,7 +158,11 @@ impl<const D: usize> Division<D> {
     fn new(kind: CellKind) -> Self {
         let mut points: Vec<[f64; 3]> = Vec::new();
         let mut index = |point: &[f64; 3]| {
-            let same = |p: &[f64; 3]| p.iter().zip(point).all(|(a, b)| (a - b).abs() < SAME);
+            let same = |p: &[f64; 3]| {
+                p.iter()
+                    .zip(point)
+                    .all(|(a, b)| (a - b).abs() < SAME_CORNER)
+            };
             points.iter().position(same).unwrap_or_else(|| {
                 points.push(*point);
                 points.len() - 1
@@ -199,7 +203,7 @@ impl<const D: usize> Division<D> {
 }
 
 /// Points of a reference cell this near to each other coincide.
-const SAME: f64 = 1e-9;
+const SAME_CORNER: f64 = 1e-9;
 
 /// The simplices of a reference cell, by their corners: cones from its centre over those of its facets; a line with a middle node is
 /// two.

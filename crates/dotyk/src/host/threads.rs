@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::available_parallelism;
 
 /// Most threads that may be requested.
-const MOST: usize = 1024;
+const MOST_THREADS: usize = 1024;
 
 /// Most bytes that the allocator reserves for a thread: two of its heaps of 64 MB while it aligns the first, and a stack.
 const OF_ALLOCATOR: u64 = 136 << 20;
@@ -19,8 +19,10 @@ const OF_MODEL: u64 = 32 << 20;
 ///
 /// Errors: more threads than any machine has processors; too little room for them, in words.
 pub fn threads(wanted: Option<usize>) -> Result<ThreadPoolBuilder, String> {
-    if let Some(wanted) = wanted.filter(|&wanted| wanted > MOST) {
-        return Err(format!("{wanted} threads are too many, at most {MOST}"));
+    if let Some(wanted) = wanted.filter(|&wanted| wanted > MOST_THREADS) {
+        return Err(format!(
+            "{wanted} threads are too many, at most {MOST_THREADS}"
+        ));
     }
     let pool = ThreadPoolBuilder::new();
     let Some(left) = address_space() else {
@@ -60,7 +62,7 @@ fn of_thread() -> u64 {
 /// Number of threads that fit an address space, besides the calling one.
 fn fitting(left: u64) -> usize {
     let left = left.saturating_sub(OF_MODEL + of_products());
-    usize::try_from(left / of_thread()).unwrap_or(MOST)
+    usize::try_from(left / of_thread()).unwrap_or(MOST_THREADS)
 }
 
 #[cfg(test)]

@@ -33,7 +33,7 @@ use faer::{Conj, Mat, MatMut, Par};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-const NONE: u32 = u32::MAX;
+const NO_COLUMN: u32 = u32::MAX;
 
 /// Right-hand sides solved together by one task: enough to reuse each entry of L, few enough for the cache.
 const COLUMNS_PER_TASK: usize = 16;
@@ -212,10 +212,10 @@ impl SymbolicCholesky {
 
 /// Place of each dof in the order, [`NONE`] where it is not listed.
 fn positions(dofs: usize, order: &[usize]) -> Result<Vec<u32>, LinalgError> {
-    let mut position = vec![NONE; dofs];
+    let mut position = vec![NO_COLUMN; dofs];
     for (k, &dof) in order.iter().enumerate() {
         match position.get_mut(dof) {
-            Some(place) if *place == NONE => *place = k as u32,
+            Some(place) if *place == NO_COLUMN => *place = k as u32,
             _ => return Err(LinalgError::InvalidOrder { dof }),
         }
     }
@@ -226,10 +226,10 @@ fn positions(dofs: usize, order: &[usize]) -> Result<Vec<u32>, LinalgError> {
 fn permuted_upper(matrix: &SymmetricMatrix, position: &[u32], n: usize) -> (Pattern, Vec<u32>) {
     let mut col_start = vec![0u32; n + 1];
     for (j, &q) in position.iter().enumerate() {
-        if q != NONE {
+        if q != NO_COLUMN {
             for &i in matrix.rows_of(j) {
                 let p = position[i as usize];
-                if p != NONE {
+                if p != NO_COLUMN {
                     col_start[p.max(q) as usize + 1] += 1;
                 }
             }
@@ -242,10 +242,10 @@ fn permuted_upper(matrix: &SymmetricMatrix, position: &[u32], n: usize) -> (Patt
     let mut entry = 0u32;
     for (j, &q) in position.iter().enumerate() {
         let rows = matrix.rows_of(j);
-        if q != NONE {
+        if q != NO_COLUMN {
             for (k, &i) in rows.iter().enumerate() {
                 let p = position[i as usize];
-                if p != NONE {
+                if p != NO_COLUMN {
                     let place = &mut next[p.max(q) as usize];
                     row_index[*place as usize] = p.min(q);
                     source[*place as usize] = entry + k as u32;

@@ -17,7 +17,7 @@ use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::simplicial;
 use feral_metis::{CscPattern, MetisOptions, metis_order_full};
 
-const NONE: u32 = u32::MAX;
+const NO_ROW: u32 = u32::MAX;
 
 /// Dissection is tried only if minimum degree takes more operations by nodes than this for each neighbour of each node, because
 /// dissection itself takes as long as some thousand operations on blocks of 3 × 3 for each. Bodies of less than 2000 nodes, plates
@@ -93,7 +93,7 @@ fn minimum_degree(graph: &Graph, nodes: &[u32]) -> Vec<u32> {
         row_index.extend(
             before
                 .map(|&other| local[other as usize])
-                .filter(|&i| i != NONE),
+                .filter(|&i| i != NO_ROW),
         );
         row_index.push(j as u32);
         col_start.push(row_index.len() as u32);
@@ -125,7 +125,7 @@ fn dissected(graph: &Graph, nodes: &[u32]) -> Option<Vec<u32>> {
     for &node in &nodes {
         let neighbours = graph.neighbours(node as usize).iter();
         let neighbours = neighbours.map(|&other| local[other as usize]);
-        others.extend(neighbours.filter(|&i| i != NONE).map(|i| i as i32));
+        others.extend(neighbours.filter(|&i| i != NO_ROW).map(|i| i as i32));
         start.push(i32::try_from(others.len()).ok()?);
     }
     let pattern = CscPattern::new(nodes.len(), &start, &others)?;
@@ -159,7 +159,7 @@ fn operations(graph: &Graph, order: &[u32]) -> f64 {
 
 /// Index of each node in the list, [`NONE`] where it is not listed.
 fn positions(nodes: usize, list: &[u32]) -> Vec<u32> {
-    let mut position = vec![NONE; nodes];
+    let mut position = vec![NO_ROW; nodes];
     for (k, &node) in list.iter().enumerate() {
         position[node as usize] = k as u32;
     }
@@ -171,8 +171,8 @@ fn postordered(graph: &Graph, order: &[u32], fixed: usize) -> Vec<usize> {
     let parent = elimination_tree(graph, order);
     let free = order.len() - fixed;
     // Lists of children; those of the fixed nodes are roots.
-    let mut first_child = vec![NONE; free];
-    let mut next_sibling = vec![NONE; free];
+    let mut first_child = vec![NO_ROW; free];
+    let mut next_sibling = vec![NO_ROW; free];
     let mut roots = Vec::new();
     for node in (0..free).rev() {
         match parent[node] as usize {
@@ -189,7 +189,7 @@ fn postordered(graph: &Graph, order: &[u32], fixed: usize) -> Vec<usize> {
         path.push(root);
         while let Some(&node) = path.last() {
             let child = first_child[node as usize];
-            if child == NONE {
+            if child == NO_ROW {
                 result.push(order[node as usize] as usize);
                 path.pop();
             } else {
@@ -205,16 +205,16 @@ fn postordered(graph: &Graph, order: &[u32], fixed: usize) -> Vec<usize> {
 /// Parent of each position of the order in the elimination tree, [`NONE`] for roots (Liu 1990, algorithm 4.2).
 fn elimination_tree(graph: &Graph, order: &[u32]) -> Vec<u32> {
     let position = positions(graph.nodes(), order);
-    let mut parent = vec![NONE; order.len()];
-    let mut ancestor = vec![NONE; order.len()];
+    let mut parent = vec![NO_ROW; order.len()];
+    let mut ancestor = vec![NO_ROW; order.len()];
     for (k, &node) in order.iter().enumerate() {
         let k = k as u32;
         for &other in graph.neighbours(node as usize) {
             let mut i = position[other as usize];
-            // The positions after k, and NONE, are not below k.
+            // The positions after k, and NO_ROW, are not below k.
             while i < k {
                 let next = std::mem::replace(&mut ancestor[i as usize], k);
-                if next == NONE {
+                if next == NO_ROW {
                     parent[i as usize] = k;
                     break;
                 }
@@ -355,7 +355,7 @@ mod tests {
         let parent = elimination_tree(&graph, &after);
         let mut size = vec![1; parent.len()];
         for k in 0..parent.len() {
-            if parent[k] != NONE {
+            if parent[k] != NO_ROW {
                 let p = parent[k] as usize;
                 // A child's subtree ends right before its parent or before the next child's subtree.
                 assert!(k < p);

@@ -12,7 +12,7 @@ use rstar::{AABB, RTree};
 const OUTSIDE: f64 = 0.1;
 
 /// A point nearer to the border of a cell than this, in reference coordinates, is on it: what Newton's method leaves.
-const WITHIN: f64 = 1e-9;
+const ON_BORDER: f64 = 1e-9;
 
 /// Nodes and weights of the value at a place.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,7 +61,7 @@ impl<const D: usize> Located<D> {
     /// The nodes whose values count here.
     pub fn carriers(&self) -> impl Iterator<Item = usize> {
         let parts = self.nodes.iter().zip(&self.shape);
-        parts.filter_map(|(&node, n)| (n.abs() > WITHIN).then_some(node))
+        parts.filter_map(|(&node, n)| (n.abs() > ON_BORDER).then_some(node))
     }
 
     /// The interpolated value of these nodal values; a node without weight does not count, whatever its value.
@@ -108,7 +108,7 @@ pub(crate) fn locate_all<const D: usize>(
                     block.kind.shape(&xi, &mut shape);
                     let found = Located {
                         block: index,
-                        cell: (outside < -WITHIN).then_some(number),
+                        cell: (outside < -ON_BORDER).then_some(number),
                         nodes: cell.iter().map(|&node| node as usize).collect(),
                         shape: shape[..cell.len()].to_vec(),
                         normal: [0.0; D],

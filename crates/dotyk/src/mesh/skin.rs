@@ -16,7 +16,7 @@ use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use std::collections::BTreeSet;
 
 /// Simplices whose nearest points lie this near to each other, in parts of their distance and size, meet there.
-const SAME: f64 = 1e-9;
+const MEETING: f64 = 1e-9;
 
 /// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner, and do not approximate a curve there.
 pub(crate) const SHARP: f64 = 0.866;
@@ -260,10 +260,10 @@ impl<const D: usize> Surrounding<D> {
         let nearest = self.0.nearest_neighbor(p)?;
         let at = nearest.closest(p);
         let length = distance(p, at);
-        let reach = length + SAME * (length + nearest.size());
+        let reach = length + MEETING * (length + nearest.size());
         let around = self.0.locate_within_distance(p, reach * reach);
         let meets = |other: &&Simplex<D>| {
-            distance(other.closest(p), at) <= SAME * (nearest.size() + other.size())
+            distance(other.closest(p), at) <= MEETING * (nearest.size() + other.size())
         };
         let outward = around
             .filter(meets)
@@ -332,7 +332,7 @@ impl<const D: usize> Simplex<D> {
             return 1.0;
         }
         let c = &self.corners;
-        let near = SAME * self.size();
+        let near = MEETING * self.size();
         let Some(k) = (0..D).find(|&k| distance(c[k], at) <= near) else {
             return std::f64::consts::PI;
         };
@@ -352,7 +352,7 @@ impl<const D: usize> Simplex<D> {
         }
         let part = from / (from - to);
         let at = add_scaled(a, part, sub(b, a));
-        (distance(at, self.closest(at)) <= SAME * self.size()).then_some(part)
+        (distance(at, self.closest(at)) <= MEETING * self.size()).then_some(part)
     }
 
     /// Its point that is nearest to p.

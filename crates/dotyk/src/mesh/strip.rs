@@ -130,7 +130,7 @@ const SAMPLES: usize = 1200;
 const PARTS: usize = 4;
 
 /// Places of a facet nearer to each other coincide.
-const SAME: f64 = 1e-7;
+const SAME_PLACE: f64 = 1e-7;
 
 /// Cosine of the angle between the normals of two facets up to which their common node is not a corner.
 const SMOOTH: f64 = 0.94;
@@ -140,7 +140,7 @@ const BY_LENGTH: f64 = 1e-6;
 
 /// A rib is turned about its middle by up to this angle into the best position across, unless it is more oblique than this: then
 /// it turns about a corner.
-const TURN: f64 = 0.15;
+const LARGEST_TURN: f64 = 0.15;
 const OBLIQUE: f64 = 0.3;
 
 /// A point belongs to the cut that is nearer to it than this part of the thickness.
@@ -249,7 +249,7 @@ impl<'m> Track<'m> {
             }
             let part = left / (left - right);
             let far = dot(add_scaled(x, part, sub(y, x)), along);
-            (far > SAME * distance(a, b)).then_some((far, p + part * (q - p)))
+            (far > SAME_PLACE * distance(a, b)).then_some((far, p + part * (q - p)))
         });
         hits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|hit| hit.1)
     }
@@ -459,12 +459,12 @@ impl<'m> Strip<'m> {
                 let near = [before, even[k].get(next).copied(), Some(end)];
                 near.into_iter()
                     .flatten()
-                    .any(|even| (even - at).abs() < SAME)
+                    .any(|even| (even - at).abs() < SAME_PLACE)
             };
             let mut places = even[k].clone();
             places.extend(feet[1 - k].iter().filter(|at| !known(**at)));
             places.sort_by(f64::total_cmp);
-            places.dedup_by(|b, a| *b - *a < SAME);
+            places.dedup_by(|b, a| *b - *a < SAME_PLACE);
             places
                 .iter()
                 .map(|&at| (at, self.sides[k].point(at)))
@@ -502,7 +502,9 @@ impl<'m> Strip<'m> {
         let half = first[first.len() / 2];
         let index = |k: usize| {
             let at = half[k].rem_euclid(counts[k]);
-            let found = samples[k].iter().position(|p| (p.0 - at).abs() < SAME);
+            let found = samples[k]
+                .iter()
+                .position(|p| (p.0 - at).abs() < SAME_PLACE);
             found.unwrap_or(0)
         };
         let path = way([index(0), index(1)]);
@@ -572,7 +574,7 @@ impl<'m> Strip<'m> {
             0.0
         };
         let at = [0, 1].map(|k| a.at[k] + part * (b.at[k] - a.at[k]));
-        let ends = !self.closed && (s <= SAME * length || s >= (1.0 - SAME) * length);
+        let ends = !self.closed && (s <= SAME_PLACE * length || s >= (1.0 - SAME_PLACE) * length);
         let cut = if ends { self.raw(at) } else { self.across(at) };
         Cut {
             s,
@@ -608,7 +610,7 @@ impl<'m> Strip<'m> {
         let of_angle = |angle: f64| turned(angle).map_or(f64::INFINITY, cost);
         // golden section
         let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let (mut low, mut high) = (-TURN, TURN);
+        let (mut low, mut high) = (-LARGEST_TURN, LARGEST_TURN);
         for _ in 0..45 {
             let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
             if of_angle(a) <= of_angle(b) {

@@ -79,7 +79,7 @@ pub fn contacts<const D: usize>(
 }
 
 /// A side is flat if its normals differ by at most this.
-const FLAT: f64 = 1e-6;
+const FLAT_PICTURE: f64 = 1e-6;
 
 /// The angle by which a flat joint between two bodies of the plane gapes: the slope of its gap, by least squares, where it is
 /// open; `None` for a joint that is closed, or open everywhere.
@@ -87,7 +87,7 @@ fn opening_angle<const D: usize>(contact: &ContactSolution<D>) -> Option<f64> {
     let known = contact.nodes.iter().filter(|node| node.gap.is_finite());
     let known: Vec<_> = known.collect();
     let first = known.first()?.normal;
-    let flat = |node: &&ContactNode<D>| norm(sub(node.normal, first)) <= FLAT;
+    let flat = |node: &&ContactNode<D>| norm(sub(node.normal, first)) <= FLAT_PICTURE;
     let (closed, open) = closed_and_open(&contact.nodes);
     if D != 2 || contact.mortar.is_none() || closed == 0 || open < 2 || !known.iter().all(flat) {
         return None;

@@ -21,7 +21,7 @@ const FINE: f64 = 2.0;
 /// The largest displacement is drawn as at most this part of the size.
 pub const SHOWN: f64 = 0.05;
 /// Bodies whose largest stresses differ by more than this factor have their own colour scales.
-const APART: f64 = 4.0;
+const SCALES_APART: f64 = 4.0;
 /// A colour scale ends below the largest stress if it then is shorter than this part of it.
 pub const CLEARLY: f64 = 0.8;
 /// Room for a colour bar with its numbers.
@@ -140,7 +140,7 @@ pub fn stress_scales<const D: usize>(solution: &Solution<D>) -> Vec<(Vec<usize>,
     let most: Vec<f64> = solution.bodies.iter().map(shown_stress).collect();
     let high = largest(most.iter().copied());
     let low = most.iter().copied().fold(f64::INFINITY, f64::min);
-    if most.len() <= 4 && low > 0.0 && high > APART * low {
+    if most.len() <= 4 && low > 0.0 && high > SCALES_APART * low {
         return most
             .iter()
             .enumerate()

@@ -8,7 +8,7 @@ use crate::output::svg::{Anchor, MUTED, SERIES, Svg, Type};
 use crate::output::text::power;
 
 /// Longer histories are thinned out to about this many points.
-const MOST: usize = 1200;
+const MOST_DRAWN: usize = 1200;
 /// More points than this are drawn without dots.
 const MOST_DOTS: usize = 60;
 
@@ -89,7 +89,7 @@ pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) ->
 
 /// Every k-th point and the last.
 fn thinned(history: &[HistoryPoint]) -> Vec<HistoryPoint> {
-    let every = history.len().div_ceil(MOST).max(1);
+    let every = history.len().div_ceil(MOST_DRAWN).max(1);
     let mut list: Vec<HistoryPoint> = history.iter().step_by(every).copied().collect();
     if let (Some(last), Some(end)) = (list.last(), history.last())
         && last != end
@@ -113,7 +113,7 @@ mod tests {
             })
             .collect();
         let list = thinned(&history);
-        assert!(list.len() <= MOST + 1);
+        assert!(list.len() <= MOST_DRAWN + 1);
         assert_eq!(
             (list[0].iteration, list.last().unwrap().iteration),
             (1, 10_000)

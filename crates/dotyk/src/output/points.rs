@@ -12,10 +12,10 @@ use crate::output::view::View;
 const LINES: usize = 9;
 
 /// Pixels from a point to the arrow of its moment.
-const TURN: f64 = 16.0;
+const TO_MOMENT: f64 = 16.0;
 
 /// Points farther from all bodies than this many times their size are left out of the picture.
-const FAR: f64 = 1.0;
+const OUT_OF_PICTURE: f64 = 1.0;
 
 /// All couples of a model with the index of their body.
 pub fn couples<const D: usize>(model: &Model<D>) -> impl Iterator<Item = (usize, &Couple<D>)> {
@@ -37,7 +37,7 @@ pub fn in_reach<const D: usize>(
     model: &Model<D>,
     (low, high): (Point<D>, Point<D>),
 ) -> impl Iterator<Item = Point<D>> {
-    let size = FAR * distance(low, high);
+    let size = OUT_OF_PICTURE * distance(low, high);
     let near = move |p: &Point<D>| (0..D).all(|i| p[i] >= low[i] - size && p[i] <= high[i] + size);
     couples(model).map(|(_, couple)| couple.point).filter(near)
 }
@@ -129,7 +129,7 @@ fn drive(svg: &mut Svg, scene: &Scene, view: &View, couple: &Couple<2>, labels: 
             unit => format!("M = {}", quantity(moment, unit)),
         };
         let style = Type::LABEL.coloured(LOAD).anchored(Anchor::Start);
-        svg.text([at[0] + TURN + 5.0, at[1] + 12.0], &text, style);
+        svg.text([at[0] + TO_MOMENT + 5.0, at[1] + 12.0], &text, style);
     }
 }
 
@@ -138,7 +138,7 @@ fn turn(svg: &mut Svg, at: Pixel, left: bool) {
     let on_arc = |k: u32| {
         let angle = (-60.0 + 300.0 / 20.0 * f64::from(k)).to_radians();
         let x = if left { angle.cos() } else { -angle.cos() };
-        [at[0] + TURN * x, at[1] - TURN * angle.sin()]
+        [at[0] + TO_MOMENT * x, at[1] - TO_MOMENT * angle.sin()]
     };
     let arc: Vec<Pixel> = (0..19).map(on_arc).collect();
     svg.path(&segments(&arc, false), LOAD, 1.6, "none", "");

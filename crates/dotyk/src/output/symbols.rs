@@ -420,7 +420,7 @@ fn hidden(scene: &Scene, view: &View, strand: &Strand, points: &[Point<2>], leas
 }
 
 /// Distance between the springs of a side on paper.
-const APART: f64 = 34.0;
+const SPRINGS_APART: f64 = 34.0;
 
 /// The symbols of a spring: all along a side, or at a point along the axes that it holds.
 pub fn draw_spring(svg: &mut Svg, scene: &Scene, view: &View, body: usize, spring: &Spring<2>) {
@@ -432,7 +432,7 @@ pub fn draw_spring(svg: &mut Svg, scene: &Scene, view: &View, body: usize, sprin
                 if hidden(scene, view, &strand, points, 40.0) {
                     continue;
                 }
-                let parts = (strand.length(points) * view.scale / APART).round() as usize;
+                let parts = (strand.length(points) * view.scale / SPRINGS_APART).round() as usize;
                 for mark in strand.marks(points, parts.clamp(1, 400), true) {
                     let at = view.pixel(mark.point);
                     if view.sees(at) {

@@ -283,7 +283,7 @@ struct ContactFields {
 }
 
 /// The same at one node.
-struct State {
+struct NodeState {
     status: Option<Status>,
     normal: [f64; 3],
     shear: [f64; 3],
@@ -293,7 +293,7 @@ struct State {
 
 impl ContactFields {
     /// Fills in values of a node that are not known yet.
-    fn take(&mut self, at: usize, state: State) {
+    fn take(&mut self, at: usize, state: NodeState) {
         if self.state[at] == NO_STATE {
             self.normal[at] = state.normal;
             self.shear[at] = state.shear;
@@ -357,7 +357,7 @@ fn contact_fields<const D: usize>(
                 let sign = if own { 1.0 } else { -1.0 };
                 fields.take(
                     at,
-                    State {
+                    NodeState {
                         status: Some(node.status),
                         normal: padded(node.normal).map(|n| sign * n),
                         shear: padded(node.shear).map(|s| sign * s),
@@ -371,7 +371,7 @@ fn contact_fields<const D: usize>(
                     let normal = unit(place.mean_vector(|node| node.normal)).unwrap_or([0.0; D]);
                     fields.take(
                         place.node,
-                        State {
+                        NodeState {
                             status: place.status(),
                             normal: padded(normal),
                             shear: padded(place.mean_vector(|node| node.shear)),

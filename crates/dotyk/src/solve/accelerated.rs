@@ -49,7 +49,7 @@ impl FixedBounds for Accelerated {
         let bound = 1.01 * projected_bound(setup);
         let (projection, mut x) = Projection::start(setup, guess)?;
         setup.multiply(&x.lambda, &mut x.product);
-        let mut steps = Steps {
+        let mut steps = AcceleratedSteps {
             setup,
             projection,
             bound,
@@ -63,7 +63,7 @@ impl FixedBounds for Accelerated {
     }
 }
 
-struct Steps<'a> {
+struct AcceleratedSteps<'a> {
     setup: &'a Setup<'a>,
     projection: Projection<'a>,
     /// L.
@@ -78,7 +78,7 @@ struct Steps<'a> {
     next: Forces,
 }
 
-impl Iteration for Steps<'_> {
+impl Iteration for AcceleratedSteps<'_> {
     const FIRST: usize = 1;
 
     fn evaluate(&mut self) {
@@ -182,7 +182,7 @@ mod tests {
         let problem = held();
         let setup = Setup::new(&problem).unwrap();
         let (projection, x) = Projection::start(&setup, None).unwrap();
-        let mut steps = Steps {
+        let mut steps = AcceleratedSteps {
             setup: &setup,
             projection,
             bound: 0.1,

@@ -47,7 +47,7 @@ use crate::solve::states::State;
 const PARTS: [f64; 3] = [0.3, 0.03, 0.01];
 
 /// Smallest compliance of a contact, relative to the median.
-const LEAST: f64 = 0.1;
+const LEAST_OF_MEDIAN: f64 = 0.1;
 
 /// ω: beyond 1, as usual, below 2, where the splitting would stop converging.
 const RELAXATION: f64 = 1.6;
@@ -56,12 +56,12 @@ const RELAXATION: f64 = 1.6;
 const TOGETHER: usize = 32;
 
 /// The iteration has stalled after so many steps without a residual below this part of the least one.
-const PATIENCE: usize = 25;
+const TURN_PATIENCE: usize = 25;
 const PATIENCE_WITH_FEW: usize = 10;
 const PROGRESS: f64 = 0.9;
 
 /// Where possible the residual is reduced to this part of the tolerance.
-const WITHIN: f64 = 1e-2;
+const TURN_ACCURACY: f64 = 1e-2;
 
 /// Alternates from the forces of the search until its tolerance is met, or until the residual falls no more.
 pub(crate) fn alternate(
@@ -98,7 +98,7 @@ pub(crate) fn alternate_from(
     }
     let local = local_compliance(setup);
     let (parts, patience) = match setup.problem.is_crowd() {
-        true => (&PARTS[..], PATIENCE),
+        true => (&PARTS[..], TURN_PATIENCE),
         // few bodies have other stages behind this one
         false => (&PARTS[..1], PATIENCE_WITH_FEW),
     };
@@ -112,7 +112,7 @@ pub(crate) fn alternate_from(
         let Some(half) = LinearHalf::new(setup, compliance) else {
             break;
         };
-        let (balanced, amplitudes) = match descend(search, &half, (trial, patience), observe) {
+        let (balanced, amplitudes) = match take_turns(search, &half, (trial, patience), observe) {
             Left::Forces(balanced, amplitudes) => (balanced, amplitudes),
             Left::Exact => return Ended::Converged,
             Left::Stopped => return Ended::Stopped,
@@ -144,7 +144,7 @@ enum Left {
 }
 
 /// Alternates with one matrix from the trial forces (m,), until `patience` steps in a row make no progress.
-fn descend(
+fn take_turns(
     search: &mut Search<'_>,
     half: &LinearHalf<'_>,
     (mut trial, patience): (Vec<f64>, usize),
@@ -180,7 +180,7 @@ fn descend(
         if search.tell(observe) {
             return Left::Stopped;
         }
-        if search.residual <= WITHIN * search.tolerance {
+        if search.residual <= TURN_ACCURACY * search.tolerance {
             break;
         }
         still = match search.residual < PROGRESS * least {
@@ -342,7 +342,9 @@ fn between_neighbours(setup: &Setup<'_>) -> Vec<f64> {
     let mut sorted = local.clone();
     sorted.sort_by(f64::total_cmp);
     let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-    local.iter_mut().for_each(|c| *c = c.max(LEAST * usual));
+    local
+        .iter_mut()
+        .for_each(|c| *c = c.max(LEAST_OF_MEDIAN * usual));
     local
 }
 
@@ -667,7 +669,13 @@ mod tests {
         let found = local_compliance(&setup);
         // the tangent with zero compliance counts as a part of the median, 1
         let expected: Vec<f64> = (0..m)
-            .map(|i| if i % 3 == 0 { 1.0 } else { 0.5 * (LEAST + 2.0) })
+            .map(|i| {
+                if i % 3 == 0 {
+                    1.0
+                } else {
+                    0.5 * (LEAST_OF_MEDIAN + 2.0)
+                }
+            })
             .collect();
         assert!(apart(&found, &expected) < 1e-15, "{found:?}");
     }

@@ -32,11 +32,11 @@ const FALL: f64 = 0.3;
 const RISE: f64 = 10.0;
 
 /// Smallest and largest compliance.
-const LEAST: f64 = 1e-6;
+const LEAST_ANCHORED: f64 = 1e-6;
 const LARGEST: f64 = 1e4;
 
 /// Centres without a smaller residual that end the steps.
-const PATIENCE: usize = 10;
+const ANCHOR_PATIENCE: usize = 10;
 
 /// Most Newton steps for one centre.
 const INNER: usize = 40;
@@ -59,7 +59,7 @@ pub(crate) fn settle(
     let (mut part, mut error) = (FIRST, INEXACT);
     let (mut best, mut still) = (f64::INFINITY, 0);
     let mut before = Vec::new();
-    while part <= LARGEST && still <= PATIENCE && !search.exhausted() {
+    while part <= LARGEST && still <= ANCHOR_PATIENCE && !search.exhausted() {
         let compliance: Vec<f64> = setup.problem.softness.iter().map(|c| part * c).collect();
         let anchor = Anchor {
             centre: &at.lambda,
@@ -90,7 +90,7 @@ pub(crate) fn settle(
         still = if falls { 0 } else { still + 1 };
         best = best.min(residual);
         error = (INEXACT * residual).clamp(ACCURATE, INEXACT);
-        part = (part * FALL).max(LEAST);
+        part = (part * FALL).max(LEAST_ANCHORED);
     }
     Ended::Stuck(states)
 }

@@ -22,7 +22,7 @@ use crate::solve::{FixedBounds, FixedPoint, Observer, Outcome, SolveError};
 const ROUNDS: usize = 200;
 
 /// Rounds without a smaller change of the bounds that end the iteration.
-const PATIENCE: usize = 12;
+const BOUND_PATIENCE: usize = 12;
 
 /// Most doublings of bounds that cannot carry the load.
 const DOUBLINGS: usize = 60;
@@ -40,7 +40,7 @@ const FOLLOWING: f64 = 1e-3;
 const TELLING: f64 = 100.0;
 
 /// Changes of the bounds below this part of the largest force do not serve to estimate the contraction.
-const ROUNDING: f64 = 1e-11;
+const BOUND_ROUNDING: f64 = 1e-11;
 
 /// Solves the problem of `setup`, whose bounds follow from normal forces, by `method` for given bounds.
 ///
@@ -51,7 +51,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
     guess: Option<&Multipliers>,
     observe: Observer<'_>,
 ) -> Result<Outcome, SolveError> {
-    let mut search = Search::new(method, setup);
+    let mut search = BoundSearch::new(method, setup);
     let mut bounds = match guess {
         Some(guess) => {
             setup.start(Some(guess))?;
@@ -86,7 +86,7 @@ pub(crate) fn fixed_point<S: FixedBounds>(
         if search.residual <= search.tolerance {
             return Ok(search.outcome(false));
         }
-        if search.still >= PATIENCE || !search.residual.is_finite() {
+        if search.still >= BOUND_PATIENCE || !search.residual.is_finite() {
             break;
         }
         for (bound, next) in bounds.iter_mut().zip(next) {
@@ -110,7 +110,7 @@ pub(crate) fn carry(setup: &Setup<'_>, bounds: &[f64]) -> bool {
 }
 
 /// The iteration and its history.
-struct Search<'a, S> {
+struct BoundSearch<'a, S> {
     method: &'a S,
     setup: &'a Setup<'a>,
     tolerance: f64,
@@ -127,7 +127,7 @@ struct Search<'a, S> {
     contraction: Option<f64>,
 }
 
-impl<'a, S: FixedBounds> Search<'a, S> {
+impl<'a, S: FixedBounds> BoundSearch<'a, S> {
     fn new(method: &'a S, setup: &'a Setup<'a>) -> Self {
         Self {
             method,
@@ -191,9 +191,9 @@ impl<'a, S: FixedBounds> Search<'a, S> {
         let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
         let change = largest(&mut bounds.iter().zip(next).map(|(a, b)| (a - b).abs()));
         let size = largest(&mut next.iter().copied());
-        let told = change > (TELLING * accuracy * size).max(ROUNDING * size);
+        let told = change > (TELLING * accuracy * size).max(BOUND_ROUNDING * size);
         if let Some(before) = self.change
-            && (told || self.contraction.is_none() && change > ROUNDING * size)
+            && (told || self.contraction.is_none() && change > BOUND_ROUNDING * size)
         {
             // the factor is that of full steps
             if self.part == 1.0 {
@@ -354,8 +354,9 @@ mod tests {
         let problem = node(0.5, 0.4);
         let setup = Setup::new(&problem).unwrap();
         let method = Newton::default();
-        let mut search = Search::new(&method, &setup);
-        let state = |search: &Search<'_, Newton>| (search.contraction, search.part, search.still);
+        let mut search = BoundSearch::new(&method, &setup);
+        let state =
+            |search: &BoundSearch<'_, Newton>| (search.contraction, search.part, search.still);
         // the first change gives no factor
         search.compare(&[1.0, 5.0], &[2.0, 9.0], 1e-3);
         assert_eq!(
@@ -389,12 +390,12 @@ mod tests {
         search.compare(&[2.0, 8.0], &[2.0, 8.0 - 8.1e-11], 0.0);
         assert!(search.change.is_some());
         // without a factor so far a small change gives one, and does not shorten the steps
-        let mut search = Search::new(&method, &setup);
+        let mut search = BoundSearch::new(&method, &setup);
         search.compare(&[8.0], &[6.0], 1e-3);
         search.compare(&[6.0], &[5.9], 1e-3);
         assert_eq!(state(&search).1, 1.0);
         assert!((search.contraction.unwrap() - 0.05).abs() < 1e-12);
-        let mut search = Search::new(&method, &setup);
+        let mut search = BoundSearch::new(&method, &setup);
         search.compare(&[8.0], &[6.0], 1e-3);
         search.compare(&[6.0], &[6.0 - 5e-11], 1e-3);
         assert_eq!(search.contraction, None);
@@ -405,9 +406,9 @@ mod tests {
         let problem = node(0.5, 0.4);
         let setup = Setup::new(&problem).unwrap();
         let method = Newton::default();
-        let mut search = Search::new(&method, &setup);
+        let mut search = BoundSearch::new(&method, &setup);
         (search.rounds, search.residual, search.iterations) = (7, 0.25, 9);
-        let words = |search: &Search<'_, Newton>| search.not_converged().to_string();
+        let words = |search: &BoundSearch<'_, Newton>| search.not_converged().to_string();
         assert!(
             words(&search).contains("did not settle in 7 rounds: a solution"),
             "{}",

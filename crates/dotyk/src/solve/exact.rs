@@ -68,7 +68,7 @@ pub(crate) const NEARBY: f64 = 1e-2;
 pub(crate) const CERTAIN: f64 = 1e-3;
 
 /// Accuracy of iterations within a step as a part of the tolerance, so that their error does not decide.
-const WITHIN: f64 = 1e-2;
+const INNER_ACCURACY: f64 = 1e-2;
 
 /// Their highest accuracy: beyond it lies the rounding of the products; a lower one would show in the certificate.
 const MOST_ACCURATE: f64 = 1e-13;
@@ -84,7 +84,7 @@ const CLOSE: f64 = 1e-9;
 const UNMOVED: f64 = 1e-12;
 
 /// Forces below this part of the largest are rounding of the linear solves.
-const ROUNDING: f64 = 1e-14;
+const FORCE_ROUNDING: f64 = 1e-14;
 
 /// How a phase ended.
 pub(crate) enum Ended {
@@ -96,12 +96,12 @@ pub(crate) enum Ended {
 
 /// Accuracy of iterations within a step at the end.
 pub(crate) fn tight(tolerance: f64) -> f64 {
-    (WITHIN * tolerance).clamp(MOST_ACCURATE, LEAST_ACCURATE)
+    (INNER_ACCURACY * tolerance).clamp(MOST_ACCURATE, LEAST_ACCURATE)
 }
 
 /// Accuracy where that is not enough: with many contacts the error of one is small beside that of all.
 pub(crate) fn finest(tolerance: f64) -> f64 {
-    WITHIN * tight(tolerance)
+    INNER_ACCURACY * tight(tolerance)
 }
 
 /// An exact step from states that do not change any more.
@@ -403,13 +403,13 @@ impl<'a> Search<'a> {
         let mut rest = false;
         for (block, range) in self.setup.admissible.iter() {
             let forces = &mut self.point.lambda[range];
-            if !block.is_free() && forces[0].abs() <= ROUNDING * force {
+            if !block.is_free() && forces[0].abs() <= FORCE_ROUNDING * force {
                 forces[0] = 0.0;
                 if block.friction().is_some_and(|law| !law.bears(false)) {
                     forces.fill(0.0);
                 }
             }
-            rest |= forces.iter().any(|own| own.abs() > ROUNDING * force);
+            rest |= forces.iter().any(|own| own.abs() > FORCE_ROUNDING * force);
         }
         // bodies that move along without contact: couples bear rounding
         if !rest {

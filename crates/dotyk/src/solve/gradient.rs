@@ -49,7 +49,7 @@ impl FixedBounds for Gradient {
         FixedStep::check(self.rho)?;
         let step = FixedStep::new(self.rho, || projected_bound(setup));
         let (projection, at) = Projection::start(setup, guess)?;
-        let mut steps = Steps {
+        let mut steps = GradientSteps {
             setup,
             step,
             projection,
@@ -61,7 +61,7 @@ impl FixedBounds for Gradient {
     }
 }
 
-struct Steps<'a> {
+struct GradientSteps<'a> {
     setup: &'a Setup<'a>,
     step: FixedStep,
     projection: Projection<'a>,
@@ -72,7 +72,7 @@ struct Steps<'a> {
     next: Vec<f64>,
 }
 
-impl Iteration for Steps<'_> {
+impl Iteration for GradientSteps<'_> {
     fn evaluate(&mut self) {
         let (setup, at) = (self.setup, &mut self.at);
         setup.multiply(&at.lambda, &mut at.product);

@@ -39,10 +39,10 @@ use crate::solve::{Observer, dot, largest, norm};
 use std::ops::Range;
 
 /// Most steps: most problems take ten, and a problem that takes more than thirty has no answer.
-const STEPS: usize = 40;
+const INTERIOR_STEPS: usize = 40;
 
 /// The steps have stalled after more than so many without a residual below this part of the least one.
-const PATIENCE: usize = 12;
+const INTERIOR_PATIENCE: usize = 12;
 const PROGRESS: f64 = 0.9;
 
 /// A residual that meets the tolerance and exceeds this part of the one before is the least within reach.
@@ -52,7 +52,7 @@ const SLOW: f64 = 0.5;
 /// with a negligible force and a negligible gap never are; with residuals as small as the third, states that come twice are tried.
 const SURELY: f64 = 0.9;
 const LIKELY: f64 = 0.3;
-const SMALL: f64 = 1e-2;
+const SMALL_RESIDUAL: f64 = 1e-2;
 
 /// A step goes this part of the way to the border, and a further part where the first step can go far. Where slip lifts, and there is
 /// an energy, it leaves this part of the way that the first step leaves, at least the second.
@@ -85,13 +85,15 @@ const NEAREST: f64 = 1e-3;
 const SMOOTH: f64 = 0.1;
 
 /// More unknowns than this are too many for a factor of all of them in each step.
-const MOST: usize = 2000;
+const MOST_FACTORED: usize = 2000;
 
 /// F where interior points apply; `None` where F is not assembled or too large, and where admissible forces form no cone: for
 /// cohesive nodes, and for bounds that bend.
 fn assembled<'a>(setup: &Setup<'a>) -> Option<&'a Mat<f64>> {
     match &setup.problem.compliance {
-        Compliance::Dense(compliance) if setup.len() <= MOST && setup.admissible.is_straight() => {
+        Compliance::Dense(compliance)
+            if setup.len() <= MOST_FACTORED && setup.admissible.is_straight() =>
+        {
             Some(compliance)
         }
         _ => None,
@@ -117,8 +119,8 @@ pub(crate) fn interior(
     let follows = at.cones.iter().any(|cone| cone.follows);
     let mut settled = Settled::default();
     let (mut before, mut least, mut still) = (f64::INFINITY, f64::INFINITY, 0);
-    for _ in 0..STEPS {
-        if search.exhausted() || still > PATIENCE || at.step(compliance).is_none() {
+    for _ in 0..INTERIOR_STEPS {
+        if search.exhausted() || still > INTERIOR_PATIENCE || at.step(compliance).is_none() {
             break;
         }
         search.steps += 1;
@@ -135,7 +137,7 @@ pub(crate) fn interior(
             // without an energy points may stall although their states are those of the answer
             _ if follows => 2,
             _ if decided >= SURELY => 1,
-            _ if decided >= LIKELY || residual <= SMALL => 2,
+            _ if decided >= LIKELY || residual <= SMALL_RESIDUAL => 2,
             _ => usize::MAX,
         };
         if let Some(ended) = settled.exact(search, asked, times, observe) {
@@ -1006,7 +1008,7 @@ mod tests {
         let mut search = Search::new((1e-9, 200), &setup);
         let closed = search.all_closed();
         let ended = interior(&mut search, closed, &mut silent);
-        assert!(matches!(ended, Ended::Stuck(_)) && search.steps <= 2 * STEPS);
+        assert!(matches!(ended, Ended::Stuck(_)) && search.steps <= 2 * INTERIOR_STEPS);
 
         let cohesive = Friction::Cohesive {
             cohesion: 1.0,

@@ -34,7 +34,7 @@ const WORTH: f64 = 0.75;
 const ACCURACY: f64 = 1e-4;
 
 /// Most linear solves on a coarser problem.
-const STEPS: usize = 40;
+const COARSE_STEPS: usize = 40;
 
 /// Applied F: most blocks of the coarsest problem; the least ratio of fine to coarse blocks; most columns of FP; by how many
 /// pairings clusters become finer at once; and up to how many clusters away from a change of states.
@@ -196,7 +196,7 @@ impl Clusters {
     ) -> Option<Coarse> {
         let coarse = self.problem(setup, compliance)?;
         let coarse_setup = Setup::new(&coarse).ok()?;
-        let limits = (ACCURACY, STEPS);
+        let limits = (ACCURACY, COARSE_STEPS);
         let (outcome, solved) =
             match solve(limits, &coarse_setup, &mut |_| ControlFlow::Continue(())) {
                 Ok(outcome) => (outcome, true),
@@ -506,14 +506,14 @@ pub(crate) fn local_softness(setup: &Setup<'_>) -> Vec<f64> {
                 w.iter().map(|&(b, wb)| wa * wb * matrix[(a, b)]).sum()
             };
             let value: f64 = w.iter().map(product).sum();
-            local[i] = value.clamp(LEAST * local[i], local[i]);
+            local[i] = value.clamp(LEAST_RELATIVE * local[i], local[i]);
         }
     }
     local
 }
 
 /// A relative compliance below this part of the component's own is rounding.
-const LEAST: f64 = 1e-12;
+const LEAST_RELATIVE: f64 = 1e-12;
 
 #[cfg(test)]
 mod tests {

@@ -75,12 +75,12 @@ impl FixedBounds for Mprgp {
     ) -> Result<Outcome, SolveError> {
         check_tangents(setup)?;
         let start = setup.start(guess)?;
-        let mut state = State::new(self, setup, &start, guess);
+        let mut state = MprgpState::new(self, setup, &start, guess);
         iterate(self, setup, &mut state, 0, observe)
     }
 }
 
-impl Iteration for State<'_> {
+impl Iteration for MprgpState<'_> {
     /// The forces of x, with the gradient as their gap.
     fn evaluate(&mut self) {
         let balance = &self.setup.balance;
@@ -128,7 +128,7 @@ impl Iteration for State<'_> {
 }
 
 /// Iterate, gradient and workspace.
-struct State<'a> {
+struct MprgpState<'a> {
     setup: &'a Setup<'a>,
     projector: Projector<'a>,
     tolerance: f64,
@@ -176,7 +176,7 @@ struct State<'a> {
     kind: char,
 }
 
-impl<'a> State<'a> {
+impl<'a> MprgpState<'a> {
     fn new(
         method: &Mprgp,
         setup: &'a Setup<'a>,
@@ -617,7 +617,7 @@ mod tests {
     }
 
     /// The gradient of the augmented Lagrangian at x, from products with P and Q written out.
-    fn gradient(state: &State<'_>) -> Vec<f64> {
+    fn gradient(state: &MprgpState<'_>) -> Vec<f64> {
         let (setup, m) = (state.setup, state.x.len());
         let along = |v: &[f64]| {
             let mut parts = vec![0.0; setup.modes()];
@@ -662,7 +662,7 @@ mod tests {
         let mut kinds = std::collections::BTreeSet::new();
         for guess in [None, Some(&nothing), Some(&far)] {
             let start = setup.start(guess).unwrap();
-            let mut state = super::State::new(&method, &setup, &start, guess);
+            let mut state = super::MprgpState::new(&method, &setup, &start, guess);
             let mut outer = 0;
             for step in 0..60 {
                 assert!(
@@ -726,7 +726,7 @@ mod tests {
             alpha: vec![0.3, -0.8],
         };
         let start = setup.start(Some(&guess)).unwrap();
-        let mut state = super::State::new(&Mprgp::default(), &setup, &start, Some(&guess));
+        let mut state = super::MprgpState::new(&Mprgp::default(), &setup, &start, Some(&guess));
         assert!(apart(&state.gradient, &problem.gap(&guess)) < 1e-12);
         state.evaluate();
         assert!(apart(&setup.multipliers(&[], &state.at.alpha).alpha, &guess.alpha) < 1e-12);
@@ -744,7 +744,7 @@ mod tests {
         let setup = Setup::new(&problem).unwrap();
         let start = setup.start(None).unwrap();
         let outer = |imbalance: f64, slow: usize, lagrangian: f64| {
-            let mut state = super::State::new(&Mprgp::default(), &setup, &start, None);
+            let mut state = super::MprgpState::new(&Mprgp::default(), &setup, &start, None);
             // an x out of balance, and its Lagrangian by definition
             state.x = vec![0.5; 8];
             state.refresh();
@@ -780,7 +780,7 @@ mod tests {
         let problem = floating();
         let setup = Setup::new(&problem).unwrap();
         let start = setup.start(None).unwrap();
-        let mut state = super::State::new(&Mprgp::default(), &setup, &start, None);
+        let mut state = super::MprgpState::new(&Mprgp::default(), &setup, &start, None);
         let mut settled = |free: f64, chopped: f64, imbalance: f64, precision: f64, size: f64| {
             state.free = vec![0.0; 8];
             state.chopped = vec![0.0; 8];
@@ -813,7 +813,7 @@ mod tests {
         assert_eq!(own[2], 0.0..f64::INFINITY);
         assert_eq!(own[3], f64::NEG_INFINITY..f64::INFINITY);
         let start = setup.start(None).unwrap();
-        let mut state = super::State::new(&Mprgp::default(), &setup, &start, None);
+        let mut state = super::MprgpState::new(&Mprgp::default(), &setup, &start, None);
         state.x = vec![1.0, 0.5, 3.0, 0.0];
         assert_eq!(state.longest(&[0.5, 0.0, 1.0, 7.0]), 2.0);
         assert_eq!(state.longest(&[0.0, 1.25, 1.0, 0.0]), 2.0);
@@ -889,7 +889,7 @@ mod tests {
         let problem = floating();
         let setup = Setup::new(&problem).unwrap();
         let start = setup.start(None).unwrap();
-        let mut state = super::State::new(&Mprgp::default(), &setup, &start, None);
+        let mut state = super::MprgpState::new(&Mprgp::default(), &setup, &start, None);
         let carried = |lambda: &[f64]| problem.balance.modes().product(lambda);
         state.at.lambda = vec![0.0, 1.0, 0.0, 0.5, 0.0, 0.4, 0.0, 0.0];
         state.balance_exactly();

@@ -20,7 +20,7 @@
 use crate::dual::Multipliers;
 use crate::solve::exact::{COARSER, EXACT_STEPS, Ended, INTERIOR, NEAR, Patience, STALLED, Search};
 use crate::solve::interior::{self, interior};
-use crate::solve::proximal::descend;
+use crate::solve::proximal::proximal_steps;
 use crate::solve::setup::{Forces, Setup};
 use crate::solve::states::State;
 use crate::solve::{FixedBounds, Observer, Outcome, SolveError, TOLERANCE, levels, slip};
@@ -37,14 +37,14 @@ const SETTLING: Patience = PLAIN.settling(5);
 const ROUGH: Patience = PLAIN.settling(3);
 
 /// Steps from a coarser problem, whose states are right but for a node.
-const BESIDE: Patience = NEAR.settling(2);
+const FROM_COARSE: Patience = NEAR.settling(2);
 
 /// Most steps of a rescue where another follows: of 33 that energies answered from a coarser problem none took more than 24 steps,
 /// but one 600.
 const FEW: usize = 30;
 
 /// With fewer blocks than this no coarser problem is solved.
-const SMALL: usize = 96;
+const FEW_BLOCKS: usize = 96;
 
 /// Newton's method.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +77,7 @@ impl FixedBounds for Newton {
         guess: Option<&Multipliers>,
         observe: Observer<'_>,
     ) -> Result<Outcome, SolveError> {
-        self.search(setup, guess, (&SETTLING, FAR), observe)
+        self.search(setup, guess, (&SETTLING, FROM_AFAR), observe)
     }
 
     fn run_coulomb(
@@ -96,17 +96,17 @@ type Rescue = (
     fn(&mut Search<'_>, Vec<State>, Observer<'_>) -> Ended,
 );
 
-const INSIDE: Rescue = (INTERIOR, interior);
-const FALLING: Rescue = ("energies that fall", descend);
+const BY_INTERIOR: Rescue = (INTERIOR, interior);
+const FALLING: Rescue = ("energies that fall", proximal_steps);
 
 /// How long steps from all contacts closed go on, and the rescues where they do not end.
 type Course<'a> = (&'a Patience, &'a [Rescue]);
 
 /// Rescues in their order.
-const FAR: &[Rescue] = &[INSIDE, FALLING];
+const FROM_AFAR: &[Rescue] = &[BY_INTERIOR, FALLING];
 
 /// The same from a coarser problem, whose states are right but for a node: energies fall to the answer at once.
-const CLOSE: &[Rescue] = &[FALLING, INSIDE];
+const CLOSE: &[Rescue] = &[FALLING, BY_INTERIOR];
 
 impl Newton {
     /// Searches from a guess, or from anywhere.
@@ -189,7 +189,7 @@ fn from_anywhere(
     let inside = interior::serves(setup);
     let mut states = search.all_closed();
     search.tried.push(EXACT_STEPS);
-    if setup.admissible.blocks().len() >= SMALL {
+    if setup.admissible.blocks().len() >= FEW_BLOCKS {
         match search.exact(states, &ONE, &|_, _| {}, observe) {
             Ended::Stuck(next) => states = next,
             ended => return ended,
@@ -210,7 +210,7 @@ fn from_anywhere(
                 return from_nothing(search, states, rescues, observe);
             }
             search.tried.push(EXACT_STEPS);
-            return from_near(search, states, (&BESIDE, CLOSE), observe);
+            return from_near(search, states, (&FROM_COARSE, CLOSE), observe);
         }
     }
     let plain = if inside { plain } else { &PLAIN };
@@ -315,8 +315,8 @@ mod tests {
             // coarser steps are counted, and not shown
             outcome.iterations - count
         };
-        assert_eq!(solve(&chain(SMALL - 1)), 0);
-        assert!(solve(&chain(SMALL)) > 0);
+        assert_eq!(solve(&chain(FEW_BLOCKS - 1)), 0);
+        assert!(solve(&chain(FEW_BLOCKS)) > 0);
         // nor do they exceed the allowed number
         for most in 1..=12 {
             let few = Newton::default().within(1e-8, most);
@@ -327,7 +327,7 @@ mod tests {
             };
             assert!(made <= most, "{made} steps of {most}");
         }
-        let mut alone = chain(SMALL);
+        let mut alone = chain(FEW_BLOCKS);
         alone.neighbours.clear();
         assert_eq!(solve(&alone), 0);
     }

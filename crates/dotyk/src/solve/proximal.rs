@@ -21,10 +21,10 @@ const FIRST: f64 = 0.3;
 const FALL: f64 = 1e-2;
 
 /// Smallest compliance: below, rounding decides.
-const LEAST: f64 = 1e-10;
+const LEAST_PROXIMAL: f64 = 1e-10;
 
 /// Centres without a residual of half the size that end the search.
-const PATIENCE: usize = 4;
+const PROXIMAL_PATIENCE: usize = 4;
 
 /// An imbalance below this part of the forces is rounding.
 const BALANCED: f64 = 1e-11;
@@ -40,17 +40,21 @@ const FLAT_ENOUGH: f64 = 1e-13;
 const SHORT_ENOUGH: f64 = 1e-15;
 
 /// A slope below this part of the first one ends a search along a line.
-const FLAT: f64 = 1e-10;
+const FLAT_SLOPE: f64 = 1e-10;
 
 /// φ is minimal where the slope is below this part of the steepest one of this centre, or is rounding of its terms.
 const GAINED: f64 = 1e-9;
-const ROUNDING: f64 = 1e-14;
+const SLOPE_ROUNDING: f64 = 1e-14;
 
 /// A step by a smaller part of the way counts as a standstill.
 const STANDING: f64 = 1e-9;
 
 /// Proximal steps from `states`, each ended by an exact one; φ falls in every step.
-pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Observer<'_>) -> Ended {
+pub(crate) fn proximal_steps(
+    search: &mut Search<'_>,
+    states: Vec<State>,
+    observe: Observer<'_>,
+) -> Ended {
     let setup = search.setup;
     let mut centre = vec![0.0; setup.len()];
     setup.admissible.project(&search.point.lambda, &mut centre);
@@ -104,10 +108,10 @@ pub(crate) fn descend(search: &mut Search<'_>, states: Vec<State>, observe: Obse
         let falls = search.residual < 0.5 * best;
         still = if falls { 0 } else { still + 1 };
         best = best.min(search.residual);
-        if still > PATIENCE {
+        if still > PROXIMAL_PATIENCE {
             return Ended::Stuck(states);
         }
-        part = (part * FALL).max(LEAST);
+        part = (part * FALL).max(LEAST_PROXIMAL);
     }
 }
 
@@ -306,8 +310,8 @@ impl<'a> Proximal<'a> {
             |t: f64, this: &Self| own + t * further - work - workspace.work(this, t, &change);
         let first = slope(0.0, self);
         self.steepest = self.steepest.max(first.abs());
-        let settled = settled || first.abs() <= (GAINED * self.steepest).max(ROUNDING * size);
-        let whole = settled || slope(1.0, self) <= FLAT * first.abs();
+        let settled = settled || first.abs() <= (GAINED * self.steepest).max(SLOPE_ROUNDING * size);
+        let whole = settled || slope(1.0, self) <= FLAT_SLOPE * first.abs();
         let length = if whole {
             1.0
         } else {
@@ -415,7 +419,7 @@ mod tests {
         };
         assert!(search.steps < 100, "no state came back");
         assert!(matches!(
-            descend(&mut search, states, silent),
+            proximal_steps(&mut search, states, silent),
             Ended::Converged
         ));
         let answer = search.outcome(false);
@@ -649,7 +653,7 @@ mod tests {
         let mut search = Search::new((1e-8, 2), &setup);
         let closed = search.all_closed();
         assert!(matches!(
-            descend(&mut search, closed, &mut silent),
+            proximal_steps(&mut search, closed, &mut silent),
             Ended::Stuck(_)
         ));
         assert_eq!((search.steps, search.kind), (2, 'p'));
@@ -660,7 +664,7 @@ mod tests {
             ControlFlow::Break(())
         };
         assert!(matches!(
-            descend(&mut search, closed, &mut satisfied),
+            proximal_steps(&mut search, closed, &mut satisfied),
             Ended::Stopped
         ));
         // few steps from anywhere, each counted once
@@ -672,7 +676,7 @@ mod tests {
             ControlFlow::Continue(())
         };
         assert!(matches!(
-            descend(&mut search, closed, &mut observe),
+            proximal_steps(&mut search, closed, &mut observe),
             Ended::Converged
         ));
         assert_eq!(search.steps, shown);

@@ -31,7 +31,7 @@ const MEMORY: usize = 10;
 const DECREASE: f64 = 1e-4;
 
 /// Rounding of an energy as a part of its terms.
-const ROUNDING: f64 = 1e-14;
+const ENERGY_ROUNDING: f64 = 1e-14;
 
 /// Uzawa's iteration with crossed-secant acceleration.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +69,7 @@ impl FixedBounds for Secant {
             image: at.lambda.clone(),
             at,
         };
-        let mut steps = Steps {
+        let mut steps = SecantSteps {
             setup,
             projection,
             step: FixedStep::new(None, || projected_bound(setup)),
@@ -98,7 +98,7 @@ impl Pair {
     }
 }
 
-struct Steps<'a> {
+struct SecantSteps<'a> {
     setup: &'a Setup<'a>,
     projection: Projection<'a>,
     step: FixedStep,
@@ -111,7 +111,7 @@ struct Steps<'a> {
     kind: char,
 }
 
-impl Steps<'_> {
+impl SecantSteps<'_> {
     /// Finds the product of the present forces; returns their energy and its rounding.
     fn energy(&mut self) -> (f64, f64) {
         let Forces {
@@ -119,7 +119,7 @@ impl Steps<'_> {
         } = &mut self.now.at;
         self.setup.multiply(lambda, product);
         let (own, work) = (0.5 * dot(lambda, product), dot(lambda, &self.setup.shift));
-        (own - work, ROUNDING * (own.abs() + work.abs()))
+        (own - work, ENERGY_ROUNDING * (own.abs() + work.abs()))
     }
 
     /// The largest energy that a secant step may have.
@@ -143,7 +143,7 @@ impl Steps<'_> {
     }
 }
 
-impl Iteration for Steps<'_> {
+impl Iteration for SecantSteps<'_> {
     fn evaluate(&mut self) {
         let (mut energy, rounding) = self.energy();
         let falls = energy <= self.bar() + rounding;
@@ -266,7 +266,7 @@ mod tests {
     }
 
     /// Steps between two pairs of forces and images, on the compliances 1 and 2 with overlaps 1 and 3.
-    fn between(problem: &DualProblem, check: impl Fn(&mut Steps<'_>)) {
+    fn between(problem: &DualProblem, check: impl Fn(&mut SecantSteps<'_>)) {
         let setup = Setup::new(problem).unwrap();
         let (projection, at) = Projection::start(&setup, None).unwrap();
         let pair = |lambda: [f64; 2], image: [f64; 2]| Pair {
@@ -276,7 +276,7 @@ mod tests {
             },
             image: image.to_vec(),
         };
-        check(&mut Steps {
+        check(&mut SecantSteps {
             setup: &setup,
             projection,
             step: FixedStep::new(Some(0.25), || 1.0),

@@ -54,7 +54,7 @@ const FROM_START: f64 = 1e-3;
 const ON_FORCES: f64 = 10.0;
 
 /// Gaps below this part of their tolerance are rounding, whatever the forces.
-const ROUNDING: f64 = 1e-3;
+const TOLERANCE_ROUNDING: f64 = 1e-3;
 
 /// When iterations within a step end.
 struct Goal {
@@ -76,7 +76,7 @@ impl Goal {
     /// large as the exact ones.
     fn is_met(&self, gap: f64, change: &[f64], forces: &[f64]) -> bool {
         let settled = norm(change) <= self.force * norm(forces);
-        gap <= self.gap && (settled || gap <= ROUNDING * self.gap)
+        gap <= self.gap && (settled || gap <= TOLERANCE_ROUNDING * self.gap)
     }
 }
 

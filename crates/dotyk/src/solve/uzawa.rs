@@ -108,7 +108,7 @@ impl FixedBounds for Uzawa {
                 bolts,
                 ..
             } = outcome;
-            let mut steps = Steps::new(self, setup, &bolted, multipliers.lambda);
+            let mut steps = BoltedSteps::new(self, setup, &bolted, multipliers.lambda);
             let result = iterate(self, setup, &mut steps, iterations, observe);
             outcome = completed(Self::NAME, result, |outcome| Outcome { bolts, ..outcome })?;
             if outcome.stopped_by_observer {
@@ -174,7 +174,7 @@ impl Uzawa {
 }
 
 /// The iterate with some bolts.
-struct Steps<'a> {
+struct BoltedSteps<'a> {
     setup: &'a Setup<'a>,
     bolted: &'a Bolted,
     step: FixedStep,
@@ -186,7 +186,7 @@ struct Steps<'a> {
     parts: Vec<f64>,
 }
 
-impl<'a> Steps<'a> {
+impl<'a> BoltedSteps<'a> {
     /// Begins with the forces nearest to `lambda` but for the bolts.
     fn new(method: &Uzawa, setup: &'a Setup<'a>, bolted: &'a Bolted, lambda: Vec<f64>) -> Self {
         let mut components = setup.components.clone();
@@ -223,7 +223,7 @@ impl<'a> Steps<'a> {
     }
 }
 
-impl Iteration for Steps<'_> {
+impl Iteration for BoltedSteps<'_> {
     /// STEP 1: the gaps of the forces, with the rigid shift that closes those of the bolts.
     fn evaluate(&mut self) {
         let (setup, bolted, at) = (self.setup, self.bolted, &mut self.at);

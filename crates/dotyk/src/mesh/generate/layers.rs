@@ -10,7 +10,7 @@ use crate::mesh::{CellBlock, CellKind, Facet};
 use std::collections::BTreeMap;
 
 /// No node at that level.
-const NONE: u32 = u32::MAX;
+const NO_NODE: u32 = u32::MAX;
 
 /// The solid made from a surface.
 pub(super) struct Layers<'a> {
@@ -82,7 +82,7 @@ impl<'a> Layers<'a> {
         let mut numbers: Vec<Vec<u32>> = given.into_iter().collect();
         for level in numbers.len()..levels {
             let of_node = |&used: &bool| {
-                let number = if used { count as u32 } else { NONE };
+                let number = if used { count as u32 } else { NO_NODE };
                 count += usize::from(used);
                 number
             };
@@ -101,7 +101,7 @@ impl<'a> Layers<'a> {
     pub fn points(&self, points: &mut Vec<Point<3>>, at: impl Fn(usize, usize) -> Point<3>) {
         for (level, numbers) in self.numbers.iter().enumerate() {
             for (node, &number) in numbers.iter().enumerate() {
-                if number != NONE && number as usize >= points.len() {
+                if number != NO_NODE && number as usize >= points.len() {
                     points.push(at(node, level));
                 }
             }

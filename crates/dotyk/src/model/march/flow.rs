@@ -35,7 +35,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Most elastic problems of one step.
-const MOST: usize = 600;
+const MOST_PROBLEMS: usize = 600;
 
 /// Most elastic problems in the search for the part of a step that bodies can bear, and the resolution of that part.
 const FEWER: usize = 200;
@@ -137,7 +137,7 @@ impl Turns {
         let done = self.increments(model, condensed, strained)?;
         let balanced = are_small(&left, model.solver.tolerance, &sizes(&done));
         let held = balanced && held_by_cells(&done);
-        if held || self.done >= MOST {
+        if held || self.done >= MOST_PROBLEMS {
             let lambda = &attempt.outcome.multipliers.lambda;
             let work = prescribed_work(condensed, &judged.displaced, lambda);
             self.driven = work > DRIVEN * dissipated(&done);
@@ -145,11 +145,11 @@ impl Turns {
         if balanced && (!held || self.driven) {
             return Ok((attempt, false));
         }
-        if balanced || self.done >= MOST {
+        if balanced || self.done >= MOST_PROBLEMS {
             let start = (strained.clone(), &attempt, from);
             let carried = self.carried(model, condensed, start)?;
             attempt.failure = Some(Objection::Yields {
-                turns: (!balanced).then_some(MOST),
+                turns: (!balanced).then_some(MOST_PROBLEMS),
                 unlimited: self.driven || !balanced && hardens(&done),
                 carried,
             });
@@ -242,7 +242,7 @@ impl Turns {
         let mut anderson = Anderson::default();
         let mut scales = Vec::new();
         for turn in 0.. {
-            if self.done >= MOST {
+            if self.done >= MOST_PROBLEMS {
                 break;
             }
             self.done += 1;
@@ -324,7 +324,7 @@ impl Turns {
         while high - low > NARROW {
             let share = 0.5 * (low + high);
             go_part(model, condensed, Some(share))?;
-            self.done = MOST - FEWER;
+            self.done = MOST_PROBLEMS - FEWER;
             let begun = Attempt {
                 method: attempt.method.clone(),
                 outcome: Outcome::new(attempt.outcome.multipliers.clone(), 0),
@@ -333,7 +333,7 @@ impl Turns {
             };
             let from_here = (state.clone(), begun, from);
             let (found, ended) = self.settle(model, condensed, from_here, &mut |_| {})?;
-            let settled = ended.failure.is_none() && self.done < MOST;
+            let settled = ended.failure.is_none() && self.done < MOST_PROBLEMS;
             let held = || {
                 let done = self.increments(model, condensed, &found)?;
                 Ok(!self.driven && held_by_cells(&done))

@@ -49,13 +49,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
 /// Overlaps below this part of the motion are not reported.
-const APART: f64 = 1e-6;
+const NO_OVERLAP: f64 = 1e-6;
 
 /// Allowed depth of surfaces, as a multiple of their distance from their curves.
 const BOWS: f64 = 2.0;
 
 /// Larger gradients do not belong to small displacements.
-const TURN: f64 = 1.0;
+const LARGEST_GRADIENT: f64 = 1.0;
 
 /// If all facets of an edge lie within this multiple of the motion, its overlap does not count as narrow.
 const NARROW: f64 = 10.0;
@@ -265,7 +265,7 @@ impl<'a, const D: usize> Solid<'a, D> {
             let apart = distance(self.first[at], self.first[other]);
             distance(self.moved[at], self.moved[other]) / apart
         });
-        each.fold(0.0, f64::max).min(TURN)
+        each.fold(0.0, f64::max).min(LARGEST_GRADIENT)
     }
 
     /// Overlap that its mesh and its rotation allow at a node past which the other body has moved by `motion`; `named`: a contact
@@ -441,7 +441,7 @@ impl<const D: usize> Meeting<'_, '_, D> {
         let allowed = of_contacts.unwrap_or(0.0)
             + of_own.into_iter().fold(0.0, f64::max)
             + of_other.into_iter().fold(0.0, f64::max)
-            + APART * motion
+            + NO_OVERLAP * motion
             + rounding;
         Some(Intrusion {
             body: own.name.to_string(),
@@ -527,7 +527,7 @@ fn in_obstacle<const D: usize>(
             None => contact.allows(node)?,
         };
         let allowed = of_contact
-            + motion * (body.gradient(node) + turn(surface, first, now) + APART)
+            + motion * (body.gradient(node) + turn(surface, first, now) + NO_OVERLAP)
             + rounding;
         Some(Intrusion {
             body: body.name.to_string(),

@@ -27,7 +27,7 @@ use std::f64::consts::PI;
 const SLIT: f64 = 1e-3;
 
 /// A side is flat whose normals differ by less than this, as the cosines of angles do from 1.
-const FLAT: f64 = 1e-9;
+const FLAT_SIDE: f64 = 1e-9;
 
 /// A rough face at a node, or a flat one: its normal and coefficient.
 type Face<const D: usize> = (Point<D>, f64);
@@ -73,7 +73,7 @@ pub(crate) fn wedged<const D: usize>(model: &Model<D>, condensed: &Condensed<D>)
         let (Some(coefficient), Some(&normal)) = (rough, normals.first()) else {
             continue;
         };
-        if normals.iter().all(|n| dot(*n, normal) > 1.0 - FLAT) {
+        if normals.iter().all(|n| dot(*n, normal) > 1.0 - FLAT_SIDE) {
             let own = (condition.nonmortar.body.0, normal);
             let other = condition.mortar.as_ref();
             let other = other.map(|side| (side.body.0, normal.map(|x| -x)));

@@ -40,7 +40,7 @@ const NO_FORCE: f64 = 1e-12;
 const NO_ENERGY: f64 = 1e-7;
 
 /// Gaps and overlaps below this part of the length of the problem are not reported.
-const APART: f64 = 1e-6;
+const PARTED: f64 = 1e-6;
 
 /// An overlap of held nodes up to this part of the length of the problem is one of polygons and averages.
 const DEEP: f64 = 1e-2;
@@ -328,7 +328,7 @@ pub(crate) fn blurred<const D: usize>(
             return None;
         }
         let nearest = smallest_gap(condition, &moved, bears);
-        let rounding = negligible(condensed, displaced, contact, APART);
+        let rounding = negligible(condensed, displaced, contact, PARTED);
         // forces within the tolerance may be there or not
         let force = largest(lambda);
         let blur = match nearest {

@@ -21,7 +21,7 @@ const SLENDER: f64 = 1e9;
 const ROUGH: f64 = 1e-3;
 
 /// A turn in radians beyond the theory of small rotations, and the ratio of turn to strain above which loads do not explain it.
-const FAR: f64 = 1.0;
+const LARGE_TURN: f64 = 1.0;
 const UNDRIVEN: f64 = 100.0;
 
 /// Why an attempt is not an answer; `None` where it is one.
@@ -93,7 +93,7 @@ fn turned<const D: usize>(
         let centre = centroid(points);
         let (translation, spin) = fit_rigid(basis, points, &state.u, centre);
         let turn = dot(&spin, &spin).sqrt();
-        if turn <= FAR {
+        if turn <= LARGE_TURN {
             return None;
         }
         let rigid = |&x: &Point<D>| {

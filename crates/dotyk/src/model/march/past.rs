@@ -97,7 +97,7 @@ impl<const D: usize> From<&BodySolution<D>> for PastBody {
 
 /// Forces, displacements and energies that differ by less, relative to the largest and to the tolerance, are the same: the
 /// certificate bounds gaps, and forces are known to a few digits less.
-const SAME: f64 = 100.0;
+const SAME_STATE: f64 = 100.0;
 
 /// Displacements and energies below this part of those without contacts are rounding: bodies are at rest.
 const REST: f64 = 1e-13;
@@ -320,7 +320,7 @@ pub(crate) fn same_bodies<const D: usize>(
     for (what, of, alone) in figures {
         let both = recorded.iter().chain(&found).map(of);
         let largest = both.fold(0.0, f64::max);
-        let limit = (SAME * model.solver.tolerance * largest).max(REST * alone);
+        let limit = (SAME_STATE * model.solver.tolerance * largest).max(REST * alone);
         let pairs = recorded.iter().zip(&found);
         let differs = |(a, b): &(&PastBody, &PastBody)| {
             let off = (of(a) - of(b)).abs();
@@ -349,7 +349,7 @@ pub(crate) fn same_forces<const D: usize>(
     let rows = ..contacts.last().map_or(0, |(_, (rows, _))| rows.end);
     let largest = recorded.lambda[rows].iter().chain(&found.lambda[rows]);
     let largest = largest.fold(0.0, |s: f64, l| s.max(l.abs()));
-    let limit = SAME * model.solver.tolerance * largest;
+    let limit = SAME_STATE * model.solver.tolerance * largest;
     for (index, (rows, _)) in contact_rows(&condensed.conditions) {
         let contact = &model.contacts[index];
         let both = recorded.lambda[rows.clone()]

@@ -8,7 +8,7 @@ use crate::model::system::floating::Floating;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A change of a gap by a motion of unit size below this is rounding.
-const NOTHING: f64 = 1e-12;
+const NO_CHANGE: f64 = 1e-12;
 
 /// A motion is dependent on others if at most this part of it is orthogonal to them. Lists of motions overlap where a body that is
 /// uncontrolled in one direction has no contact. The remainder is rounding, and scaled to unit size it would strain the body.
@@ -85,7 +85,7 @@ pub(crate) fn settle<const D: usize>(
     // closing of each gap by each motion
     let changes: Vec<BTreeMap<usize, f64>> = motions.iter().map(|m| closed_by(bodies, m)).collect();
     let entries = changes.iter().flatten();
-    let beyond_rounding = entries.filter(|(_, change)| change.abs() > NOTHING);
+    let beyond_rounding = entries.filter(|(_, change)| change.abs() > NO_CHANGE);
     let touched: BTreeSet<usize> = beyond_rounding.map(|(&row, _)| row).collect();
     let closed = closed_by(bodies, &settled);
     let limited = |&row: &usize| Some((row, gaps[row]? - closed.get(&row).unwrap_or(&0.0)));

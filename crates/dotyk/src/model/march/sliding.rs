@@ -14,7 +14,7 @@ use crate::model::system::condition::Condition;
 use crate::model::system::floating::Floating;
 
 /// A change of load counts as not held if at most this part of it is held.
-const NOTHING: f64 = 1e-6;
+const NOT_HELD: f64 = 1e-6;
 
 /// The objection to a load that is infeasible along `direction` (r,), of which friction holds the part `factor`; `step` are the
 /// times of the step before and of this one, and e of the one before.
@@ -33,7 +33,7 @@ pub(crate) fn sliding<const D: usize>(
         (part, times)
     });
     let leans = || Feasibility::leans(admissible, balance, direction);
-    let of_step = of_step.filter(|(part, _)| factor.is_some() || *part > NOTHING && leans());
+    let of_step = of_step.filter(|(part, _)| factor.is_some() || *part > NOT_HELD && leans());
     let Some(held) = of_step.map(|(part, _)| part).or(factor) else {
         return Err(floating.pulled_away(model, (bodies, conditions), admissible, direction));
     };

@@ -51,7 +51,7 @@ const BLOCK: f64 = 0.8;
 const YIELDS: f64 = 2.175e-3;
 
 /// Steps of the bisections.
-const STEPS: usize = 100;
+const CAPACITY_BISECTIONS: usize = 100;
 
 impl Capacity {
     /// N and M of the limit, thickness h, the second side compressed (`second`) or the first, the neutral axis at
@@ -110,7 +110,7 @@ impl Capacity {
         if n > ends[0][0] + tolerance || n < ends[1][0] - tolerance {
             return None;
         }
-        for _ in 0..STEPS {
+        for _ in 0..CAPACITY_BISECTIONS {
             let middle = 0.5 * (low + high);
             if self.limit(h, middle, second)[0] >= n {
                 low = middle;
@@ -151,7 +151,7 @@ impl Capacity {
         }
         // no force is larger than `most`
         let (mut inside, mut outside) = (0.0, 2.0 * most / size);
-        for _ in 0..STEPS {
+        for _ in 0..CAPACITY_BISECTIONS {
             let factor = 0.5 * (inside + outside);
             if self.bears(h, [factor * n, factor * m]) {
                 inside = factor;

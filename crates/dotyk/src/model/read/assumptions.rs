@@ -23,7 +23,7 @@ const LARGE: f64 = 0.05;
 const SINGULAR: f64 = 0.01;
 
 /// A slip above this part of the smaller facet takes a node to another facet.
-const FAR: f64 = 0.5;
+const FAR_SLIP: f64 = 0.5;
 
 /// Fewer closed nodes than this locate the edge of a contact only roughly.
 const FEW: usize = 5;
@@ -202,7 +202,7 @@ fn met_elsewhere<const D: usize>(
         (new && dot(outward, node.normal) < 0.0).then_some((depth, node.point))
     };
     let (depth, point) = open.filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let seen = LARGE * approach + ROUNDING * norm(motion);
+    let seen = LARGE * approach + DRIVE_ROUNDING * norm(motion);
     (depth > seen).then(|| {
         format!(
             "contact \"{}\": its obstacle moves to where it overlaps {} by {}, and no force acts there: a contact sees what lies opposite before anything moves; put the obstacle to its place in the case, and only press it there",
@@ -214,7 +214,7 @@ fn met_elsewhere<const D: usize>(
 }
 
 /// Overlaps below this part of the motion of an obstacle are rounding.
-const ROUNDING: f64 = 1e-9;
+const DRIVE_ROUNDING: f64 = 1e-9;
 
 /// A contact with a node that slips to another facet.
 fn far_slip<const D: usize>(model: &Model<D>, contact: &ContactSolution<D>) -> Option<String> {
@@ -230,7 +230,7 @@ fn far_slip<const D: usize>(model: &Model<D>, contact: &ContactSolution<D>) -> O
     let slips = closed.map(|node| (norm(node.slip), node.point));
     let farthest = slips.filter(|(slip, _)| slip.is_finite());
     let (slip, point) = farthest.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (slip > FAR * facet).then(|| {
+    (slip > FAR_SLIP * facet).then(|| {
         format!(
             "contact \"{}\": a closed node at {} slips by {:.1} facets of the finer side: sides stay paired as they were before; use smaller loads or larger facets",
             contact.name,

@@ -39,7 +39,7 @@ pub struct ContactCheck<const D: usize> {
 const POOR: f64 = 0.1;
 
 /// Gaps below this part of the body's size are rounding.
-const ROUNDING: f64 = 1e-12;
+const GAP_ROUNDING: f64 = 1e-12;
 
 /// Penetrations below this part of a facet are inaccuracies of coordinates: nodes that near coincide.
 const INACCURATE: f64 = 1e-6;
@@ -56,7 +56,7 @@ pub(crate) fn check_contacts<const D: usize>(
         let gaps: Vec<f64> = carriers.map(|n| n.clearance).collect();
         let mesh = &model.bodies[condition.nonmortar.body.0].mesh;
         let alone = nodes.iter().filter(|n| n.role == Role::Alone);
-        let negligible = ROUNDING * mesh.diameter();
+        let negligible = GAP_ROUNDING * mesh.diameter();
         let real = |gap: &f64| if gap.abs() > negligible { *gap } else { 0.0 };
         let gaps: Vec<f64> = gaps.iter().map(real).collect();
         let deep = gaps.iter().filter(|gap| **gap < 0.0);

@@ -72,7 +72,7 @@ impl Known {
 }
 
 /// A value below this part of its scale is rounding.
-const ROUNDING: f64 = 1e-10;
+const VALUE_ROUNDING: f64 = 1e-10;
 
 /// Nodes of a body at which the stress is not finite, each with the reason.
 type Places = BTreeMap<usize, Singular>;
@@ -123,7 +123,9 @@ fn peak<const D: usize>(
     };
     let (node, most) = largest(&|_| true)?;
     let near = around(&body.mesh, places);
-    let singular = near.get(&node).filter(|_| most.value > ROUNDING * scale);
+    let singular = near
+        .get(&node)
+        .filter(|_| most.value > VALUE_ROUNDING * scale);
     let place = singular.and_then(|&place| {
         let two = around(&body.mesh, &near);
         let away = largest(&|node| !two.contains_key(&node)).map(|(_, away)| away);

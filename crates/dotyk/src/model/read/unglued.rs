@@ -13,7 +13,7 @@ use rstar::primitives::GeomWithData;
 use std::collections::BTreeSet;
 
 /// Nodes nearer than this part of an edge coincide.
-const SAME: f64 = 1e-6;
+const SAME_EDGE: f64 = 1e-6;
 
 /// A warning about facets of two parts of a body that coincide, with the place of the first.
 pub(crate) fn unglued<const D: usize>(model: &Model<D>, id: BodyId) -> Option<String> {
@@ -38,7 +38,7 @@ pub(crate) fn unglued<const D: usize>(model: &Model<D>, id: BodyId) -> Option<St
     let facets: Vec<_> = facets.collect();
     let tree = RTree::bulk_load(facets.clone());
     let lies_on_another = |own: &&GeomWithData<Point<D>, Facet>| {
-        let reach = SAME * size(mesh, own.data);
+        let reach = SAME_EDGE * size(mesh, own.data);
         let near = tree.locate_within_distance(*own.geom(), reach * reach);
         let mut others = near.filter(|other| part(other.data) != part(own.data));
         others.any(|other| coincide(mesh, own.data, other.data, reach))

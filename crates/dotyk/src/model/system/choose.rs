@@ -25,7 +25,7 @@ const ALIKE: f64 = 1.05;
 
 /// Sides whose edges differ by less than this factor differ by rounding: of these the one named first is chosen, however the model is
 /// oriented.
-const SAME: f64 = 1.0 + 1e-9;
+const EVEN_EDGES: f64 = 1.0 + 1e-9;
 
 /// Index of the side that carries the multipliers: that of the more compliant body; within a factor 10 the finer one, unless
 /// that would show the straight facets of the other. A side held completely by supports cannot carry them.
@@ -33,7 +33,7 @@ pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, Con
     let stiff = ends.map(stiffness);
     let held = [held(ends[0])?, held(ends[1])?];
     let edge = [mean_edge(ends[0])?, mean_edge(ends[1])?];
-    let (fine, coarse) = if edge[0] <= SAME * edge[1] {
+    let (fine, coarse) = if edge[0] <= EVEN_EDGES * edge[1] {
         (0, 1)
     } else {
         (1, 0)

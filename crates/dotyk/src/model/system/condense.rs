@@ -40,7 +40,7 @@ use std::mem::take;
 use std::sync::Arc;
 
 /// If all overlaps are below this part of the displacements whose differences they are, they are rounding.
-const ROUNDING: f64 = 1e-12;
+const OVERLAP_ROUNDING: f64 = 1e-12;
 
 /// The bodies of a model condensed onto the contact unknowns, at one time.
 pub(crate) struct Condensed<const D: usize> {
@@ -503,7 +503,10 @@ fn overlap<const D: usize>(
         largest = moved.fold(largest, |s, u| s.max(u.abs()));
     }
     // Bodies that their supports carry along together do not overlap: the rest is rounding of the displacement.
-    if overlap.iter().all(|d| d.abs() <= ROUNDING * largest) {
+    if overlap
+        .iter()
+        .all(|d| d.abs() <= OVERLAP_ROUNDING * largest)
+    {
         overlap.fill(0.0);
     }
     overlap

@@ -106,7 +106,7 @@ fn driven<const D: usize>(obstacle: &Obstacle<D>) -> Driven {
 }
 
 /// The opposite of a side.
-enum Opposite<'a, const D: usize> {
+enum Counterpart<'a, const D: usize> {
     Side(&'a SideRef),
     Rigid(&'a Obstacle<D>),
 }
@@ -128,8 +128,8 @@ impl<'a, const D: usize> Contacting<'a, D> {
             Pair::Obstacle {
                 nonmortar,
                 obstacle,
-            } => (nonmortar, Opposite::Rigid(obstacle)),
-            Pair::Given { nonmortar, mortar } => (nonmortar, Opposite::Side(mortar)),
+            } => (nonmortar, Counterpart::Rigid(obstacle)),
+            Pair::Given { nonmortar, mortar } => (nonmortar, Counterpart::Side(mortar)),
             Pair::Automatic(sides) => return self.chosen(sides, coupling),
         };
         self.paired(nonmortar, opposite, coupling)
@@ -144,7 +144,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let ends = sides.each_ref().map(|side| self.end(side));
         let first = chosen(ends).map_err(|source| self.fail(source))?;
         let with = |first: usize| {
-            let opposite = Opposite::Side(&sides[1 - first]);
+            let opposite = Counterpart::Side(&sides[1 - first]);
             self.paired(&sides[first], opposite, coupling)
         };
         let paired = with(first)?;
@@ -164,7 +164,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
     fn paired(
         &self,
         nonmortar: &'a SideRef,
-        opposite: Opposite<'a, D>,
+        opposite: Counterpart<'a, D>,
         coupling: Coupling,
     ) -> Result<Condition<D>, Error<D>> {
         let fail = |source| self.fail(source);
@@ -175,7 +175,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             _ => smooth_parts(whole).map_err(fail)?,
         };
         let corners = match opposite {
-            Opposite::Rigid(obstacle) if coupling != Coupling::Tied => {
+            Counterpart::Rigid(obstacle) if coupling != Coupling::Tied => {
                 corners_above(whole, &obstacle.shape, self.model.analysis).map_err(fail)?
             }
             _ => Corners::new(),
@@ -186,10 +186,10 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 ..whole
             };
             match opposite {
-                Opposite::Rigid(obstacle) => {
+                Counterpart::Rigid(obstacle) => {
                     self.above(nonmortar, end, (obstacle, &corners), coupling)
                 }
-                Opposite::Side(mortar) => {
+                Counterpart::Side(mortar) => {
                     let sides = self.sides([nonmortar, mortar], end, coupling);
                     sides.map_err(fail)
                 }

@@ -46,7 +46,7 @@ impl<const D: usize> LaidMember<D> {
 /// replace a parabola, and n of them miss its energy by 1/n². Then the fewest and the most elements of a member.
 const IN_CELL: [usize; 2] = [2, 4];
 const FEWEST: usize = 8;
-const MOST: usize = 1000;
+const MOST_ELEMENTS: usize = 1000;
 
 /// Sampling points along a member that find the cells it crosses.
 const LOOKS: usize = 500;
@@ -159,7 +159,7 @@ impl<const D: usize> Member<D> {
         let points = pairs.unwrap_or_default().concat();
         let spread = locate_all(&model.bodies[body].mesh, &points);
         let within =
-            |place: &Option<Located<D>>| place.as_ref().is_some_and(|p| p.outside <= INSIDE);
+            |place: &Option<Located<D>>| place.as_ref().is_some_and(|p| p.outside <= IN_THE_CELL);
         let spread = spread
             .chunks_exact(2)
             .filter(|pair| pair.iter().all(within));
@@ -203,7 +203,7 @@ impl<const D: usize> Member<D> {
             last = Some(place);
         }
         let elements = crossed.values().sum::<usize>();
-        let elements = elements.clamp(FEWEST, MOST);
+        let elements = elements.clamp(FEWEST, MOST_ELEMENTS);
         let points: Vec<Point<D>> = (1..elements)
             .map(|k| add_scaled(from, k as f64 / elements as f64, step))
             .collect();
@@ -235,13 +235,13 @@ impl<const D: usize> Member<D> {
         for body in &self.line.bodies {
             let places = locate_all(&model.bodies[body.0].mesh, points);
             for (found, place) in found.iter_mut().zip(places) {
-                let Some(place) = place.filter(|place| place.outside <= BESIDE) else {
+                let Some(place) = place.filter(|place| place.outside <= BESIDE_CELL) else {
                     continue;
                 };
                 let best = found
                     .as_ref()
                     .map_or(f64::INFINITY, |(_, best)| best.outside);
-                if place.outside.max(INSIDE) < best.max(INSIDE) {
+                if place.outside.max(IN_THE_CELL) < best.max(IN_THE_CELL) {
                     *found = Some((body.0, place));
                 }
             }
@@ -254,8 +254,8 @@ impl<const D: usize> Member<D> {
 const ENDS: [&str; 2] = ["from", "to"];
 
 /// A point this far outside of a cell, in its own coordinates, lies in it to rounding; up to the second distance it lies beside it.
-const INSIDE: f64 = 1e-6;
-const BESIDE: f64 = 0.02;
+const IN_THE_CELL: f64 = 1e-6;
+const BESIDE_CELL: f64 = 0.02;
 
 /// Ends nearer to each other than this part of the largest body are at the same place.
 const NO_LENGTH: f64 = 1e-12;

@@ -35,7 +35,7 @@ type Moving = Vec<((usize, usize), f64)>;
 type Dofs = Vec<(usize, usize)>;
 
 /// Coefficients are the same within this part of the largest, gaps within this part of the size of the body.
-const SAME: f64 = 1e-10;
+const SAME_ROW: f64 = 1e-10;
 
 /// Gives every common node of contacts to the one with most rows, the first of equal ones; the rows of the others are dropped.
 pub(crate) fn share_nodes<const D: usize>(
@@ -187,7 +187,7 @@ fn moving<const D: usize>(
 fn same_rows(some: &[Moving], all: &[Moving]) -> bool {
     let largest = |row: &Moving| row.iter().fold(0.0, |s: f64, (_, c)| s.max(c.abs()));
     let same = |(a, b): (&Moving, &Moving)| {
-        let limit = SAME * largest(a).max(largest(b));
+        let limit = SAME_ROW * largest(a).max(largest(b));
         a.len() == b.len()
             && a.iter()
                 .zip(b)
@@ -215,7 +215,7 @@ fn same_gap<const D: usize>(
         model.bodies[body].mesh.diameter()
     };
     match at.map(gap) {
-        [Some(a), Some(b)] => (a - b).abs() <= SAME * size(at[0].0),
+        [Some(a), Some(b)] => (a - b).abs() <= SAME_ROW * size(at[0].0),
         _ => false,
     }
 }

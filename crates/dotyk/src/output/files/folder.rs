@@ -10,7 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Longest wait for other writers.
-const PATIENCE: Duration = Duration::from_secs(10);
+const LONGEST_WAIT: Duration = Duration::from_secs(10);
 
 /// Interval of the checks whether they have ended.
 const PAUSE: Duration = Duration::from_millis(10);
@@ -93,7 +93,7 @@ impl Folder {
     ///
     /// Errors: as [`Self::hold`].
     pub fn wait(dir: &Path) -> Result<Self, Error> {
-        let end = Instant::now() + PATIENCE;
+        let end = Instant::now() + LONGEST_WAIT;
         loop {
             match Self::hold(dir) {
                 Err(Error::Taken { .. }) if Instant::now() < end => std::thread::sleep(PAUSE),
@@ -148,7 +148,7 @@ pub(super) fn remove_empty<'p>(made: impl DoubleEndedIterator<Item = &'p PathBuf
 fn sweep(place: &Path) {
     let name = place.file_name().unwrap_or_default().to_string_lossy();
     let beside = place.parent().map(|parent| (parent, name.as_ref()));
-    for (folder, of) in beside.into_iter().chain([(place, journal::INSIDE)]) {
+    for (folder, of) in beside.into_iter().chain([(place, journal::STAGE_PREFIX)]) {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         let left = entries.filter(|e| is_random_name(&e.file_name().to_string_lossy(), of));
         for entry in left.filter(|e| e.file_type().is_ok_and(|kind| kind.is_dir())) {

@@ -11,7 +11,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Beginning of the names of stages within a folder.
-pub(super) const INSIDE: &str = "dotyk";
+pub(super) const STAGE_PREFIX: &str = "dotyk";
 
 /// The folder of files that are being put in place.
 const JOURNAL: &str = ".dotyk.journal";
@@ -43,7 +43,7 @@ pub(super) fn put_in_place(
     let journal = folder.join(JOURNAL);
     if fs::rename(stage, &journal).is_err() {
         // the stage is on another file system
-        let inside = folder.join(random_name(INSIDE));
+        let inside = folder.join(random_name(STAGE_PREFIX));
         let all = files.iter().map(String::as_str).chain([LIST]);
         let copied = copies(stage, &inside, all).and_then(|()| fs::rename(&inside, &journal));
         copied.map_err(|e| {

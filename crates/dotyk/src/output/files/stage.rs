@@ -71,9 +71,8 @@ impl Stage {
         // the folder above may belong to another user
         let place = match beside {
             Some(place) => place,
-            None => {
-                new_folder(target, journal::INSIDE).map_err(|e| unwritable(folder.path(), e))?
-            }
+            None => new_folder(target, journal::STAGE_PREFIX)
+                .map_err(|e| unwritable(folder.path(), e))?,
         };
         if let Ok(data) = target.metadata() {
             // the stage gets the permissions of the folder, because it has its name for a moment

@@ -12,7 +12,7 @@ use std::io;
 use std::path::Path;
 
 /// Most foreign files that are linked: with more of them files are put in place one by one.
-const MOST: usize = 1000;
+const MOST_LINKED: usize = 1000;
 
 /// Gives a folder the `files` of the stage, without the `stale` ones. `false` if the exchange is impossible: then the folder is
 /// unchanged.
@@ -45,7 +45,7 @@ fn adopt(
             continue;
         }
         *links += 1;
-        if *links > MOST {
+        if *links > MOST_LINKED {
             return Err(io::ErrorKind::QuotaExceeded.into());
         }
         let target = stage.join(&place);

@@ -18,13 +18,13 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 /// If the closed part is smaller than this part of a side, the rest is cut away.
-const SMALL: f64 = 0.5;
+const SMALL_PART: f64 = 0.5;
 
 /// Surroundings of the closed part on all sides, as a part of its size.
 const AROUND: f64 = 0.3;
 
 /// Facets whose mean unit normal is longer lie almost in a plane.
-const FLAT: f64 = 0.97;
+const FLAT_FACE: f64 = 0.97;
 
 /// A side with the values of the contact at its nodes; NaN and `None` without a value.
 pub struct Face<'a> {
@@ -67,7 +67,8 @@ impl View {
             known => known,
         };
         let touching = some(&in_contact);
-        let cutout = !touching.is_empty() && size(mesh, &touching) < SMALL * size(mesh, &known);
+        let cutout =
+            !touching.is_empty() && size(mesh, &touching) < SMALL_PART * size(mesh, &known);
         let seen = if cutout { &touching } else { &known };
         let cameras = cameras(mesh, if cutout { seen } else { facets }, cutout);
         let camera = cameras[usize::from(other)];
@@ -192,7 +193,7 @@ fn cameras(mesh: &Mesh<3>, facets: &[Facet], cutout: bool) -> [Camera; 2] {
     let mean = sum.map(|s| s / area);
     let [x, y, z] = mean;
     match norm(mean) {
-        r if cutout && r > FLAT => [Camera::from(mean); 2],
+        r if cutout && r > FLAT_FACE => [Camera::from(mean); 2],
         r if r < 0.3 => [Camera::around(32.0, 26.0), Camera::around(-148.0, 26.0)],
         r if z.abs() > 0.75 * r => [32.0, -148.0].map(|a| Camera::around(a, 52.0_f64.copysign(z))),
         _ => {

@@ -28,7 +28,7 @@ const SPACING: f64 = 26.0;
 const ARROW: f64 = 23.0;
 
 /// Arrows of less than this part of the largest are left out.
-const LEAST: f64 = 0.06;
+const LEAST_ARROW: f64 = 0.06;
 
 /// Where contact ends.
 const END: Ink = Ink {
@@ -237,7 +237,7 @@ fn arrows(
         let half = [0.5 * ARROW * x / most, -0.5 * ARROW * y / most];
         let size = half[0].hypot(half[1]);
         // where all are zero there is no scale
-        if size.is_nan() || size < 0.5 * ARROW * LEAST {
+        if size.is_nan() || size < 0.5 * ARROW * LEAST_ARROW {
             continue;
         }
         let at = window.pixel(node.point);

@@ -32,7 +32,7 @@ const LIFT: f64 = 26.0;
 const BETTER: f64 = 1.15;
 
 /// Size of the pictures that test a camera.
-const SMALL: Pixel = [220.0, 220.0];
+const TRIAL_SIZE: Pixel = [220.0, 220.0];
 
 /// Edges between cells.
 pub const THIN: Ink = Ink {
@@ -112,8 +112,14 @@ impl<'a> Scene<'a> {
         let bodies = 0..self.skins.len();
         let weights: Vec<Vec<f64>> = bodies.map(|body| self.weights(body)).collect();
         let shown = |camera: &Camera| {
-            let window = Window::fitted(*camera, camera.extent(self.nodes()), [0.0; 2], SMALL, 2.0);
-            let mut canvas = Canvas::sampled(SMALL, 1, &[]);
+            let window = Window::fitted(
+                *camera,
+                camera.extent(self.nodes()),
+                [0.0; 2],
+                TRIAL_SIZE,
+                2.0,
+            );
+            let mut canvas = Canvas::sampled(TRIAL_SIZE, 1, &[]);
             for (skin, weights) in self.skins.iter().zip(&weights) {
                 let look = Look::at(&window, skin.mesh.points());
                 skin.fill(&mut canvas, &look, 0, &|facet| {

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 const MARGIN: f64 = 12.0;
 
 /// A plane keeps this part of the size away from the ends of the model.
-const INSIDE: f64 = 0.02;
+const FROM_ENDS: f64 = 0.02;
 
 /// How far a plane is moved off nodes that lie on it, as a part of the size.
 const OFF: f64 = 1e-6;
@@ -149,7 +149,7 @@ fn section(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Section> {
     let cut = middles.iter().filter(|m| m.near(axis, at) > CUT);
     let most = cut.max_by(|a, b| a.force.total_cmp(&b.force));
     // a part of the closed area of a contact, or of the size of the model
-    let room = INSIDE * most.map_or(extent[axis], |m| 2.0 * m.reach[axis]);
+    let room = FROM_ENDS * most.map_or(extent[axis], |m| 2.0 * m.reach[axis]);
     Some(Section {
         axis,
         at: at.clamp(low[axis] + room, high[axis] - room),
