@@ -54,6 +54,7 @@ pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use cells::measure;
 pub(crate) use cut::{Ahead, Push};
+pub(crate) use enhanced::has_modes;
 pub(crate) use error::{Short, show};
 pub(crate) use initial::{OutOfBalance, out_of_balance, tilted};
 pub(crate) use internal::internal_forces;

@@ -175,6 +175,19 @@ pub enum MeshError {
         /// The requirement.
         need: &'static str,
     },
+    /// A mesh without a generator is to be made anew.
+    #[error(
+        "its cells come from a file or a program, or from a generator whose cells keep their sizes: it cannot be made anew with other sizes"
+    )]
+    NoGenerator,
+    /// A mesh with a side of which only its facets are known is to be made anew.
+    #[error(
+        "the facets of side `{side}` were picked one by one, and cannot be found again in a mesh made anew: cut the side out with a box, or join it from others"
+    )]
+    PickedSide {
+        /// Name.
+        side: String,
+    },
     /// An outline that cannot be meshed.
     #[error("outline, {place}: {problem}")]
     Outline {

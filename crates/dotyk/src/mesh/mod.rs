@@ -18,7 +18,9 @@ mod locate;
 mod nearest;
 mod on_surface;
 mod outline;
+mod recipe;
 mod reference;
+mod sizes;
 mod skin;
 mod strip;
 
@@ -33,15 +35,18 @@ pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub(crate) use locate::{Located, locate, locate_all, locate_on_side};
 pub use outline::{
     Contour, Division, Drawing, EdgeShape, Outline, OutlineEdge, OutlinePart, OutlinePlace, Region,
-    Regions, SizePoint,
+    Regions,
 };
+pub use recipe::{Generator, Recipe};
 pub use reference::{CellKind, Domain};
+pub use sizes::{SizeField, SizePoint};
 pub(crate) use skin::{Bow, SHARP, Skin, Surrounding};
 pub use strip::{Cut, Strip, StripError};
 
 use crate::geometry::{Point, Surface, determinant, distance, norm, padded, sub};
 use crate::mesh::check::check;
 use crate::mesh::nearest::Found;
+use crate::mesh::recipe::Added;
 use std::collections::BTreeMap;
 
 /// A facet: the `local`-th facet of a cell of a block.
@@ -63,6 +68,7 @@ pub struct Mesh<const D: usize> {
     sides: BTreeMap<String, Vec<Facet>>,
     /// The curves behind facets, where the mesh generator knew them.
     curves: BTreeMap<Facet, Surface<D>>,
+    recipe: Recipe<D>,
     found: Found<D>,
 }
 
@@ -77,17 +83,19 @@ impl<const D: usize> Mesh<D> {
             blocks,
             sides: BTreeMap::new(),
             curves: BTreeMap::new(),
+            recipe: Recipe::default(),
             found: Found::default(),
         }
         .checked()
     }
 
     /// The same cells and sides with every point moved to f(point). Under a reflection the cells are turned. The curves behind
-    /// facets are lost.
+    /// facets are lost, and how the mesh was made.
     ///
     /// Errors: as [`Self::new`], where f gives no valid mesh.
     pub fn map_points(mut self, f: impl Fn(Point<D>) -> Point<D>) -> Result<Self, MeshError> {
         self.curves.clear();
+        self.recipe = Recipe::default();
         for point in &mut self.points {
             *point = f(*point);
         }
@@ -259,7 +267,12 @@ impl<const D: usize> Mesh<D> {
     pub fn with_side(mut self, name: &str, on: impl Fn(Point<D>) -> bool) -> Self {
         let on: Vec<bool> = self.points.iter().map(|&point| on(point)).collect();
         let mut facets = self.boundary_facets();
+        let all = facets.len();
         facets.retain(|&facet| self.facet_nodes(facet).all(|node| on[node as usize]));
+        self.recipe.note(match facets.len() == all {
+            true => Added::Boundary(name.to_string()),
+            false => Added::Picked(name.to_string()),
+        });
         self.sides.insert(name.to_string(), facets);
         self
     }
@@ -282,6 +295,7 @@ impl<const D: usize> Mesh<D> {
             }
             facets.sort_unstable();
             facets.dedup();
+            self.recipe.note(Added::Picked(side.clone()));
             self.sides.insert(side, facets);
         }
         Ok(self)
@@ -299,6 +313,8 @@ impl<const D: usize> Mesh<D> {
             }
             facets.sort_unstable();
             facets.dedup();
+            let parts = sides.iter().map(|side| side.to_string());
+            self.recipe.note(Added::Joined(parts.collect()));
             self.sides.insert(name.clone(), facets);
         }
         Ok(name)
@@ -344,6 +360,8 @@ impl<const D: usize> Mesh<D> {
                 max: padded(max),
             });
         }
+        let patch = Added::patch(&self, [name, of], [min, max], &facets);
+        self.recipe.note(patch);
         self.sides.insert(name.to_string(), facets);
         Ok(self)
     }

@@ -24,17 +24,19 @@ mod net;
 mod nouns;
 mod partition;
 mod regions;
+mod wishes;
 
 pub use nouns::{
     Contour, Division, Drawing, EdgeShape, Outline, OutlineEdge, OutlinePart, OutlinePlace, Region,
-    SizePoint,
 };
 pub use regions::Regions;
 
+use crate::geometry::Point;
 use crate::mesh::outline::divide::Sizes;
 use crate::mesh::outline::drawing::Curves;
 use crate::mesh::outline::net::Net;
-use crate::mesh::{Mesh, MeshError};
+use crate::mesh::outline::wishes::Wishes;
+use crate::mesh::{Generator, Mesh, MeshError, SizeField};
 
 impl Outline {
     /// The mesh: nodes of the boundary first, path after path.
@@ -43,18 +45,33 @@ impl Outline {
     /// arcs that do not exist; a hole outside or in another one; sizes that are not positive or exceed the outline; a kind of
     /// cell that is not a triangle; more than two million corners of cells.
     pub fn build(&self) -> Result<Mesh<2>, MeshError> {
-        let curves = Curves::of(self)?;
+        let mesh = self.filled(&Wishes::default())?;
+        Ok(mesh.made_by(self.clone()))
+    }
+
+    fn filled(&self, wishes: &Wishes<'_>) -> Result<Mesh<2>, MeshError> {
+        let curves = Curves::of(self, wishes)?;
         let sizes = Sizes {
             largest: self.size,
             growth: self.growth,
-            refine: &self.refine,
+            field: &wishes.field(&self.refine, self.growth),
+            binding: wishes.sizes.is_some(),
         };
-        sizes.few_enough(&curves.ribs, &[(0, curves.area, self.size)])?;
+        sizes.few_enough(&curves.ribs, &[(0, curves.area, self.size)], &self.refine)?;
         let Curves { ribs, places, .. } = &curves;
         let too_many = || OutlinePlace::default().too_many();
         let net = Net::of(ribs, &sizes).ok_or_else(too_many)?;
         let part = net.fill((ribs, places), 0, None, &sizes)?;
         let sides = |rib: usize, _| curves.sides[rib].clone();
         net.mesh(ribs, self.cell, &[&part], sides)
+    }
+}
+
+impl Generator<2> for Outline {
+    fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
+        self.filled(&Wishes {
+            sizes: Some(sizes),
+            nodes,
+        })
     }
 }

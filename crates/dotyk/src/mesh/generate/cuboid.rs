@@ -68,10 +68,11 @@ impl Cuboid {
             sides.insert(name.to_string(), layers.ends(last));
         }
         let mesh = Mesh::new(points, layers.blocks())?.with_sides(sides)?;
-        match self.cell.domain() {
-            Domain::Tetrahedron => tetrahedra(&mesh),
-            _ => Ok(mesh),
-        }
+        let mesh = match self.cell.domain() {
+            Domain::Tetrahedron => tetrahedra(&mesh)?,
+            _ => mesh,
+        };
+        Ok(mesh.made_by(self.clone()))
     }
 }
 

@@ -11,6 +11,7 @@
 //! bit; the outer nodes of a [`Ring`] from −90 to 90 about the origin and the hole nodes of a [`TunnelRock`] of the same
 //! radius, `cells[0]` and `grade` are the same numbers.
 
+mod anew;
 mod cuboid;
 mod disc;
 mod layers;
@@ -114,7 +115,7 @@ impl Rectangle {
         let lattice = Lattice::new(self.cells, self.cell, self.diagonals, false)?;
         let lines = lines("rectangle", self.from, self.to, self.cells)?;
         let [x, y] = lines.map(|nodes| lattice.with_middles(nodes));
-        lattice.mesh(
+        let mesh = lattice.mesh(
             |u, v| [x[u], y[v]],
             &[
                 ("left", vec![lattice.edge(Edge::Left)]),
@@ -122,7 +123,8 @@ impl Rectangle {
                 ("bottom", vec![lattice.edge(Edge::Bottom)]),
                 ("top", vec![lattice.edge(Edge::Top)]),
             ],
-        )
+        )?;
+        Ok(mesh.made_by(self.clone()))
     }
 }
 
@@ -241,7 +243,8 @@ impl Ring {
         };
         let mesh = lattice.mesh(at, &sides)?;
         let mesh = mesh.with_curve(&["inner"], circle(self.inner));
-        Ok(mesh.with_curve(&["outer"], circle(self.outer)))
+        let mesh = mesh.with_curve(&["outer"], circle(self.outer));
+        Ok(mesh.made_by(self.clone()))
     }
 }
 
@@ -311,7 +314,8 @@ impl TunnelRock {
                 ),
             ],
         );
-        Ok(mesh?.with_curve(&["hole"], circle))
+        let mesh = mesh?.with_curve(&["hole"], circle);
+        Ok(mesh.made_by(self.clone()))
     }
 
     /// Nodes of the rectangle from (0, −H) to (0, H), and the index of the one at (W, H).
@@ -561,6 +565,7 @@ impl Lattice {
             blocks: vec![block],
             sides,
             curves: BTreeMap::new(),
+            recipe: Default::default(),
             found: Default::default(),
         }
         .checked()

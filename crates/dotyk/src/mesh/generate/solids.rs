@@ -132,6 +132,7 @@ fn carry(
         blocks: stack.blocks(),
         sides,
         curves,
+        recipe: Default::default(),
         found: Default::default(),
     }
     .checked()
@@ -405,7 +406,7 @@ impl Cylinder {
             place,
             surface,
         )?;
-        in_cells(mesh, self.cell)
+        Ok(in_cells(mesh, self.cell)?.made_by(self.clone()))
     }
 
     /// Number of cells of the mesh.
@@ -543,7 +544,7 @@ impl Sphere {
             (false, (true, true)) => self.closed_shell(solid)?,
             _ => self.shell(plane)?,
         };
-        in_cells(mesh, self.cell)
+        Ok(in_cells(mesh, self.cell)?.made_by(self.clone()))
     }
 
     /// Whether it reaches the lower and the upper end of polar angles.
@@ -734,6 +735,7 @@ impl Sphere {
             blocks: vec![block],
             sides,
             curves: BTreeMap::new(),
+            recipe: Default::default(),
             found: Default::default(),
         }
         .checked()

@@ -69,6 +69,7 @@ pub(super) fn tetrahedra(mesh: &Mesh<3>) -> Result<Mesh<3>, MeshError> {
         blocks,
         sides: sides.collect(),
         curves: curves.collect(),
+        recipe: Default::default(),
         found: Default::default(),
     }
     .checked()

@@ -13,9 +13,9 @@
 //! same nodes.
 
 use crate::geometry::{Point, add_scaled, distance, dot, sub};
-use crate::mesh::MeshError;
 use crate::mesh::outline::curve::Curve;
-use crate::mesh::outline::nouns::{MOST_VERTICES, SizePoint};
+use crate::mesh::outline::nouns::MOST_VERTICES;
+use crate::mesh::{MeshError, SizeField, SizePoint};
 use std::f64::consts::PI;
 
 /// Largest angle of a piece of an arc: twelve around a circle.
@@ -69,23 +69,27 @@ pub(crate) struct Divided {
 pub(crate) struct Sizes<'a> {
     pub largest: f64,
     pub growth: f64,
-    pub refine: &'a [SizePoint],
+    /// The points of refinement, and what else is wanted.
+    pub field: &'a SizeField<2>,
+    /// Long edges within a face are halved.
+    pub binding: bool,
 }
 
 impl Sizes<'_> {
-    /// The size that the whole outline and the points of refinement allow at a place.
+    /// The size that the whole outline and the field allow at a place.
     pub fn near(&self, p: Point<2>) -> f64 {
-        let allowed =
-            |r: &SizePoint| r.size + self.growth * (distance(p, r.at) - r.radius).max(0.0);
-        self.refine.iter().map(allowed).fold(self.largest, f64::min)
+        self.field.below(self.largest, p)
     }
-}
 
-impl Sizes<'_> {
     /// Refuses faces (number, area, largest size) in which the sizes ask for more corners of cells than [`MOST_VERTICES`].
     ///
     /// A rough lower bound from the sizes of the faces and of the points of refinement.
-    pub fn few_enough(&self, ribs: &[Rib], faces: &[(usize, f64, f64)]) -> Result<(), MeshError> {
+    pub fn few_enough(
+        &self,
+        ribs: &[Rib],
+        faces: &[(usize, f64, f64)],
+        refine: &[SizePoint],
+    ) -> Result<(), MeshError> {
         // Each corner of equilateral triangles has √3/2 h² of the area.
         let corners = |area: f64, size: f64| 2.0 / 3.0_f64.sqrt() * area / (size * size);
         let within = |p: Point<2>| {
@@ -102,7 +106,7 @@ impl Sizes<'_> {
             let area = inside.count() as f64 * step * step;
             corners(area, point.size.min(self.largest))
         };
-        let discs = self.refine.iter().map(of_disc).fold(0.0, f64::max);
+        let discs = refine.iter().map(of_disc).fold(0.0, f64::max);
         let plain = faces.iter().map(|&(_, area, size)| corners(area, size));
         let wanted = plain.sum::<f64>().max(discs);
         match wanted > MOST_VERTICES as f64 {

@@ -5,9 +5,9 @@ use crate::mesh::outline::curve::{Curve, cross};
 use crate::mesh::outline::divide::{Rib, WIDEST_PIECE};
 use crate::mesh::outline::nouns::{
     Contour, Division, EdgeShape, MOST_VERTICES, Outline, OutlineEdge, OutlinePart, OutlinePlace,
-    SizePoint,
 };
-use crate::mesh::{CellKind, MeshError};
+use crate::mesh::outline::wishes::Wishes;
+use crate::mesh::{CellKind, MeshError, SizePoint};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Two points nearer than this share of the diameter coincide.
@@ -40,7 +40,7 @@ pub(crate) struct Curves {
 
 impl Curves {
     /// The contours of an outline as curves, checked and turned.
-    pub fn of(outline: &Outline) -> Result<Self, MeshError> {
+    pub fn of(outline: &Outline, wishes: &Wishes<'_>) -> Result<Self, MeshError> {
         check_values(outline.size, outline.growth, &outline.refine, outline.cell)?;
         let contours = std::iter::once((OutlinePart::Outer, &outline.boundary));
         let contours = contours.chain((0..).map(OutlinePart::Hole).zip(&outline.holes));
@@ -52,6 +52,8 @@ impl Curves {
         for drawn in paths.iter().flatten() {
             check_division(outline.size, drawn, diameter)?;
         }
+        let paths = paths.into_iter();
+        let paths: Vec<_> = paths.map(|p| wishes.cut(p, SAME * diameter)).collect();
         separate(&paths, diameter)?;
         let mut curves = Self {
             ribs: Vec::new(),
@@ -155,19 +157,8 @@ pub(crate) fn check_values(
         let need = "must be positive and at most 1: 0.3 lets neighbours differ by a third";
         return Err(wrong("growth", growth.to_string(), need));
     }
-    for point in refine {
-        if !(point.size > 0.0 && point.size.is_finite()) {
-            let need = "the size at a point must be positive and finite";
-            return Err(wrong("refine", point.size.to_string(), need));
-        }
-        let finite = point.at.iter().all(|c| c.is_finite());
-        if !(finite && point.radius >= 0.0 && point.radius.is_finite()) {
-            let value = format!("{:?}, radius {}", point.at, point.radius);
-            let need = "must have finite coordinates and a radius that is not negative";
-            return Err(wrong("refine", value, need));
-        }
-    }
-    Ok(())
+    let mut points = refine.iter();
+    points.try_for_each(|point| point.check("outline", "refine"))
 }
 
 pub(crate) fn check_division(largest: f64, drawn: &Drawn, diameter: f64) -> Result<(), MeshError> {

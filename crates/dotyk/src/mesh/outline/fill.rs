@@ -9,6 +9,9 @@
 //! 4. Nodes move towards the weighted centroid of their triangles where that does not worsen the worst angle around
 //!    them, and the triangulation is made anew: both steps can only raise the smallest angle.
 //!
+//! 5. For a mesh that is made anew with a size field: edges longer than 1.4·h in the middle of their triangle get a node in their
+//!    middle. There are few, where nodes came too near to others or to the boundary.
+//!
 //! h at a new node is the smallest h_v + g·|x − v| over the nodes v of the triangles that it replaces, which starts from the
 //! boundary. Everything is sequential and in a fixed order: same input, same bits. The triangulation decides orientations
 //! exactly; it works on coordinates scaled by a power of two, which changes no digit.
@@ -25,6 +28,9 @@ use std::collections::BinaryHeap;
 
 /// A triangle is large when its circumradius exceeds that of the equilateral one by this factor.
 const LARGE: f64 = 1.2;
+
+/// Longest edge within a face over the size in the middle of a triangle beside it, where sizes are binding.
+const LONGEST: f64 = 1.4;
 
 /// Rounds of moving nodes; later ones change little.
 const ROUNDS: usize = 4;
@@ -69,6 +75,9 @@ pub(crate) fn fill(boundary: &Boundary, sizes: &Sizes<'_>) -> Result<Filled, Unf
         smooth(&mut nodes, &triangles, &fill.sizes, boundary.nodes.len());
         let wanted = std::mem::take(&mut fill.sizes);
         fill = Fill::new(boundary, sizes, nodes, wanted)?;
+    }
+    if sizes.binding {
+        fill.shorten()?;
     }
     let (nodes, triangles) = fill.triangles();
     Ok(Filled { nodes, triangles })
@@ -277,8 +286,7 @@ impl<'a> Fill<'a> {
 
     fn wanted(&self, face: Face, places: [Point<2>; 3]) -> f64 {
         let mean = self.corners(face).map(|node| self.sizes[node as usize]);
-        let centroid = [0, 1].map(|d| (places[0][d] + places[1][d] + places[2][d]) / 3.0);
-        (mean.iter().sum::<f64>() / 3.0).min(self.field.near(centroid))
+        (mean.iter().sum::<f64>() / 3.0).min(self.field.near(centroid_of(places)))
     }
 
     fn is_done(&self, face: Face) -> bool {
@@ -370,7 +378,7 @@ impl<'a> Fill<'a> {
         let depth = dot(sub(center, middle), normal);
         if depth <= 0.0 {
             // The centre lies beyond this edge: the centroid is inside.
-            return [0, 1].map(|d| (places[0][d] + places[1][d] + places[2][d]) / 3.0);
+            return centroid_of(places);
         }
         let wanted = self.wanted(face, places) / 3.0_f64.sqrt();
         let radius = wanted
@@ -510,6 +518,26 @@ impl<'a> Fill<'a> {
         }
     }
 
+    /// Halves edges within the body that are too long for a triangle beside them.
+    fn shorten(&mut self) -> Result<(), Unfilled> {
+        let mut waiting: Vec<Face> = self.triangulation.fixed_inner_faces().collect();
+        while let Some(face) = waiting.pop() {
+            let middle = centroid_of(self.places(face));
+            let longest = LONGEST * self.field.near(middle);
+            let edges = self.triangulation.face(face).adjacent_edges().into_iter();
+            let open = edges.filter(|edge| self.inside[face.index()] && !edge.is_constraint_edge());
+            let long = open.map(|edge| edge.vertices().map(|v| self.nodes[v.data().node as usize]));
+            let long = long.filter(|[a, b]| distance(*a, *b) > longest);
+            let long = long.max_by(|[a, b], [c, d]| distance(*a, *b).total_cmp(&distance(*c, *d)));
+            if let Some([a, b]) = long {
+                let middle = add_scaled(a, 0.5, sub(b, a));
+                let size = self.field.near(middle);
+                waiting.extend(self.insert(face, middle, size)?);
+            }
+        }
+        Ok(())
+    }
+
     /// Nodes and triangles of the body, each with its smallest node first.
     fn triangles(&self) -> (Vec<Point<2>>, Vec<[u32; 3]>) {
         let faces = self.triangulation.fixed_inner_faces();
@@ -525,6 +553,10 @@ impl<'a> Fill<'a> {
         triangles.sort_unstable();
         (self.nodes.clone(), triangles)
     }
+}
+
+fn centroid_of(places: [Point<2>; 3]) -> Point<2> {
+    [0, 1].map(|d| (places[0][d] + places[1][d] + places[2][d]) / 3.0)
 }
 
 /// Centre and radius; not finite for three points on a line.

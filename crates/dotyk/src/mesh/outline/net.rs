@@ -29,7 +29,7 @@ struct Piece {
 /// A filled face.
 #[derive(Debug, Clone)]
 pub(crate) struct Part {
-    face: usize,
+    pub face: usize,
     /// The group of its cells.
     group: Option<String>,
     /// The nodes of the net that it has, ascending; they are its first.

@@ -1,7 +1,7 @@
 //! The user's outline or drawing: contours or lines, their edges, and sizes of the cells.
 
 use crate::geometry::Point;
-use crate::mesh::{CellKind, MeshError};
+use crate::mesh::{CellKind, MeshError, SizePoint};
 use std::fmt;
 
 /// Most corners of cells: some hundred megabytes, so that a size in a wrong unit is reported within seconds.
@@ -118,17 +118,6 @@ pub enum Division {
     Size(f64),
     /// Into this many equal pieces, regardless of the neighbourhood.
     Cells(usize),
-}
-
-/// Smaller cells about a point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SizePoint {
-    /// Centre.
-    pub at: Point<2>,
-    /// Size up to the radius.
-    pub size: f64,
-    /// Where the size begins to grow.
-    pub radius: f64,
 }
 
 /// A part of an outline or drawing in messages; counted from zero here, from one in the text.

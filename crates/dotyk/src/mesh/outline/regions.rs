@@ -3,27 +3,53 @@
 //! A facet of a body belongs to the sides named by its line, and to the side named like the region beyond it. A facet with neither
 //! belongs to the side `outline`.
 
+use crate::geometry::Point;
 use crate::mesh::outline::divide::{Rib, Sizes};
-use crate::mesh::outline::drawing::{check_division, check_values, extent};
+use crate::mesh::outline::drawing::{SAME, check_division, check_values, extent};
 use crate::mesh::outline::net::{Net, Part};
 use crate::mesh::outline::nouns::{Contour, Drawing, OutlinePart, OutlinePlace, Region};
 use crate::mesh::outline::partition::Partition;
-use crate::mesh::{CellKind, Mesh, MeshError};
+use crate::mesh::outline::wishes::Wishes;
+use crate::mesh::{Generator, Mesh, MeshError, SizeField};
+use std::sync::Arc;
 
 /// The filled regions of a drawing.
 #[derive(Debug, Clone)]
 pub struct Regions {
-    cell: CellKind,
+    drawing: Arc<Drawing>,
     ribs: Vec<Rib>,
     net: Net,
     /// Sides by the names of its line, for each curve.
     names: Vec<Vec<String>>,
-    /// Names of the regions in their order.
-    regions: Vec<String>,
     /// The region that each face belongs to.
     region_of: Vec<usize>,
-    /// The faces.
+    /// The filled faces.
     parts: Vec<Part>,
+}
+
+/// A body of some regions of a drawing.
+#[derive(Debug)]
+struct OfRegions {
+    drawing: Arc<Drawing>,
+    regions: Vec<String>,
+}
+
+impl Generator<2> for OfRegions {
+    /// All curves of the drawing are divided, and the faces of the body are filled: bodies that are made anew with one size field
+    /// have the same nodes on their common lines.
+    fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
+        let wishes = Wishes {
+            sizes: Some(sizes),
+            nodes,
+        };
+        let names: Vec<&str> = self.regions.iter().map(String::as_str).collect();
+        let own = |region: &str| names.contains(&region);
+        self.drawing.filled(&wishes, own)?.filling(&names)
+    }
+
+    fn drawing(&self) -> Option<&Drawing> {
+        Some(&self.drawing)
+    }
 }
 
 impl Drawing {
@@ -35,6 +61,15 @@ impl Drawing {
     /// the name of another region or a line, or not separated from another; sizes that are not positive, or exceed that of the
     /// drawing; a kind of cell that is not a triangle; more than two million corners of cells.
     pub fn build(&self) -> Result<Regions, MeshError> {
+        self.filled(&Wishes::default(), |_| true)
+    }
+
+    /// Fills some regions.
+    fn filled(
+        &self,
+        wishes: &Wishes<'_>,
+        fills: impl Fn(&str) -> bool,
+    ) -> Result<Regions, MeshError> {
         check_values(self.size, self.growth, &self.refine, self.cell)?;
         let mut drawn = Vec::new();
         for (line, contour) in self.lines.iter().enumerate() {
@@ -48,6 +83,7 @@ impl Drawing {
             check_division(self.size, drawn, diameter)?;
         }
         self.check_names()?;
+        let drawn = wishes.cut(drawn, SAME * diameter);
         let mut partition = Partition::of(&drawn, self.size)?;
         let (faces, region_of) = self.faces(&partition)?;
         partition.keep(&faces)?;
@@ -59,28 +95,31 @@ impl Drawing {
             let beside = rib.faces.into_iter().flatten().map(size_of);
             rib.size = beside.fold(rib.size, f64::min);
         }
+        let field = wishes.field(&self.refine, self.growth);
         let sizes = |largest: f64| Sizes {
             largest,
             growth: self.growth,
-            refine: &self.refine,
+            field: &field,
+            binding: wishes.sizes.is_some(),
         };
         let counted = partition.areas.iter().enumerate();
         let counted: Vec<_> = counted.map(|(f, &area)| (f, area, size_of(f))).collect();
-        sizes(self.size).few_enough(&partition.ribs, &counted)?;
+        sizes(self.size).few_enough(&partition.ribs, &counted, &self.refine)?;
         let net = Net::of(&partition.ribs, &sizes(self.size))
             .ok_or_else(|| whole(OutlinePart::Drawing).too_many())?;
         let places = (&partition.ribs[..], &partition.places[..]);
-        let parts = region_of.iter().enumerate().map(|(face, &region)| {
-            let group = Some(self.regions[region].name.clone());
-            net.fill(places, face, group, &sizes(size_of(face)))
+        let filled = region_of.iter().enumerate();
+        let filled = filled.map(|(face, &region)| (face, &self.regions[region].name));
+        let filled = filled.filter(|(_, region)| fills(region));
+        let parts = filled.map(|(face, region)| {
+            net.fill(places, face, Some(region.clone()), &sizes(size_of(face)))
         });
         let parts = parts.collect::<Result<Vec<_>, _>>()?;
         Ok(Regions {
-            cell: self.cell,
+            drawing: Arc::new(self.clone()),
             ribs: partition.ribs,
             net,
             names: partition.names,
-            regions: self.regions.iter().map(|r| r.name.clone()).collect(),
             region_of,
             parts,
         })
@@ -184,7 +223,7 @@ fn whole(part: OutlinePart) -> OutlinePlace {
 impl Regions {
     /// Names of the regions.
     pub fn names(&self) -> impl Iterator<Item = &str> + Clone {
-        self.regions.iter().map(String::as_str)
+        self.drawing.regions.iter().map(|r| r.name.as_str())
     }
 
     /// The mesh of a body made of some regions: cells are in groups of their names, nodes on lines first. Along a line that
@@ -192,6 +231,13 @@ impl Regions {
     ///
     /// Errors: an unknown region, an empty list.
     pub fn mesh(&self, regions: &[&str]) -> Result<Mesh<2>, MeshError> {
+        Ok(self.filling(regions)?.made_by(OfRegions {
+            drawing: Arc::clone(&self.drawing),
+            regions: regions.iter().map(|name| name.to_string()).collect(),
+        }))
+    }
+
+    fn filling(&self, regions: &[&str]) -> Result<Mesh<2>, MeshError> {
         if let Some(unknown) = regions
             .iter()
             .find(|name| !self.names().any(|n| n == **name))
@@ -202,12 +248,13 @@ impl Regions {
                 known.join(", ")
             )));
         }
-        let own = |face: &usize| regions.contains(&self.regions[self.region_of[*face]].as_str());
-        let faces = (0..self.parts.len()).filter(own);
-        let parts: Vec<&Part> = faces.map(|face| &self.parts[face]).collect();
-        self.net.mesh(&self.ribs, self.cell, &parts, |rib, beyond| {
+        let region = |face: usize| &self.drawing.regions[self.region_of[face]].name;
+        let own = |part: &&Part| regions.contains(&region(part.face).as_str());
+        let parts: Vec<&Part> = self.parts.iter().filter(own).collect();
+        let cell = self.drawing.cell;
+        self.net.mesh(&self.ribs, cell, &parts, |rib, beyond| {
             let mut sides = self.names[rib].clone();
-            sides.extend(beyond.map(|face| self.regions[self.region_of[face]].clone()));
+            sides.extend(beyond.map(|face| region(face).clone()));
             if sides.is_empty() {
                 sides.push("outline".to_string());
             }

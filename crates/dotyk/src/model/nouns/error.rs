@@ -6,6 +6,7 @@ use crate::fem::{Analysis, Body, FemError, Short, show};
 use crate::geometry::{Field, Point};
 use crate::host::told;
 use crate::linalg::LinalgError;
+use crate::mesh::MeshError;
 use crate::model::nouns::file_names::NameError;
 use crate::model::nouns::intrusion::Intrusion;
 use crate::model::nouns::member::{MemberError, MemberWords};
@@ -99,6 +100,14 @@ pub enum Error<const D: usize> {
         body: String,
         /// The fault of the name.
         source: NameError,
+    },
+    /// A body cannot be meshed anew.
+    #[error("body \"{body}\": {source}")]
+    Mesh {
+        /// Its name.
+        body: String,
+        /// The fault.
+        source: MeshError,
     },
     /// A body cannot be assembled or factored.
     #[error("body \"{body}\": {source}")]
@@ -322,6 +331,7 @@ impl<const D: usize> Error<D> {
     pub fn subject(&self) -> Option<Subject> {
         match self {
             Self::Body { body, .. }
+            | Self::Mesh { body, .. }
             | Self::FileName { body, .. }
             | Self::NotHeld { body, .. }
             | Self::OutOfReach { body, .. }

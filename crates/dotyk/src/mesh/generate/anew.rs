@@ -1,0 +1,176 @@
+//! Structured meshes made anew with a size field.
+//!
+//! A lattice of the plane becomes the outline of its sides, which are lines and arcs, filled with triangles of its order. A
+//! square of area A becomes a wish for h = √(2A/√3) at its place: equilateral triangles of this size have as many nodes per area. A
+//! lattice of space keeps its cells, each divided into k³.
+
+use crate::geometry::{Point, Surface, sub};
+use crate::mesh::generate::{Cuboid, Cylinder, MOST_POINTS, Rectangle, Ring, Sphere, TunnelRock};
+use crate::mesh::{
+    CellKind, Contour, EdgeShape, Generator, Mesh, MeshError, Outline, OutlineEdge, SizeField,
+};
+
+/// Growth of the sizes of the lattice, as that of outlines.
+const GROWTH: f64 = 0.3;
+
+/// An edge is as long as wanted within rounding.
+const LONG: f64 = 1.0 + 1e-9;
+
+impl Generator<2> for Rectangle {
+    fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
+        triangles(&self.build()?, sizes, nodes)
+    }
+}
+
+impl Generator<2> for Ring {
+    fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
+        triangles(&self.build()?, sizes, nodes)
+    }
+}
+
+impl Generator<2> for TunnelRock {
+    fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
+        triangles(&self.build()?, sizes, nodes)
+    }
+}
+
+impl Generator<3> for Cuboid {
+    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
+        finer(sizes, self.cells, |cells| {
+            Self {
+                cells,
+                ..self.clone()
+            }
+            .build()
+        })
+    }
+}
+
+impl Generator<3> for Cylinder {
+    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
+        finer(sizes, self.cells, |cells| {
+            Self {
+                cells,
+                ..self.clone()
+            }
+            .build()
+        })
+    }
+}
+
+impl Generator<3> for Sphere {
+    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
+        finer(sizes, self.cells, |cells| {
+            Self {
+                cells,
+                ..self.clone()
+            }
+            .build()
+        })
+    }
+}
+
+/// The outline of a lattice, filled with triangles.
+fn triangles(
+    lattice: &Mesh<2>,
+    sizes: &SizeField<2>,
+    nodes: &[Point<2>],
+) -> Result<Mesh<2>, MeshError> {
+    let block = &lattice.blocks()[0];
+    let corners = block.kind.corners();
+    let own = block.cells().map(|cell| {
+        let at = |k: usize| lattice.points()[cell[k % corners] as usize];
+        let twice: f64 = (0..corners).map(|k| cross(at(k), at(k + 1))).sum();
+        // A square has two triangles.
+        let triangle = 0.5 * twice / (corners - 2) as f64;
+        (4.0 * triangle / 3.0_f64.sqrt()).sqrt()
+    });
+    let own: Vec<f64> = own.collect();
+    let largest = own.iter().copied().fold(0.0, f64::max);
+    let field = SizeField::of_cells(lattice, &own, GROWTH)?;
+    let outline = Outline {
+        cell: match block.kind.order() {
+            1 => CellKind::Tri3,
+            _ => CellKind::Tri6,
+        },
+        ..outline(lattice, largest.min(lattice.diameter()))
+    };
+    outline.anew(&field.and(sizes), nodes)
+}
+
+/// The outline of a mesh each of whose sides has chains of straight facets on a line, or of facets on an arc.
+fn outline(mesh: &Mesh<2>, size: f64) -> Outline {
+    let (mut circles, mut open) = (Vec::new(), Vec::new());
+    for side in mesh.side_names() {
+        for chain in mesh.chain(side).into_iter().flatten() {
+            let at = |k: usize| mesh.points()[chain.nodes[k] as usize];
+            let circle = match mesh.curve(chain.facets[0]) {
+                Some(Surface::Sphere { center, radius }) => Some((center, radius)),
+                _ => None,
+            };
+            if let (true, Some((center, radius))) = (chain.cyclic, circle) {
+                let names = vec![side.to_string()];
+                circles.push((
+                    radius,
+                    Contour::Circle {
+                        center,
+                        radius,
+                        names,
+                        division: None,
+                    },
+                ));
+                continue;
+            }
+            let (from, to) = (at(0), at(chain.nodes.len() - 1));
+            let shape = circle.map_or(EdgeShape::Line, |(center, _)| EdgeShape::Center {
+                center,
+                clockwise: cross(sub(from, center), sub(at(1), center)) < 0.0,
+            });
+            open.push((from, OutlineEdge::of(to, shape).named(side)));
+        }
+    }
+    // The outer circle last.
+    circles.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let mut contours: Vec<Contour> = circles.into_iter().map(|(_, circle)| circle).collect();
+    if let Some((from, edge)) = open.pop() {
+        let mut edges = vec![edge];
+        while let Some(next) = open
+            .iter()
+            .position(|(from, _)| *from == edges[edges.len() - 1].to)
+        {
+            edges.push(open.swap_remove(next).1);
+        }
+        contours.push(Contour::Path { from, edges });
+    }
+    let boundary = contours.pop().unwrap_or_else(|| Contour::polygon(&[]));
+    Outline {
+        holes: contours,
+        ..Outline::new(boundary, size)
+    }
+}
+
+fn cross(a: Point<2>, b: Point<2>) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// A mesh of k times so many cells in each direction, with an edge of at most the size wanted in the middle of each cell.
+fn finer<const N: usize>(
+    sizes: &SizeField<3>,
+    counts: [usize; N],
+    build: impl Fn([usize; N]) -> Result<Mesh<3>, MeshError>,
+) -> Result<Mesh<3>, MeshError> {
+    let mut k: usize = 1;
+    loop {
+        let mesh = build(counts.map(|n| n.saturating_mul(k).min(MOST_POINTS)))?;
+        let blocks = mesh.blocks().iter().enumerate();
+        let cells = blocks.flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b, c)));
+        let excess = cells.map(|(block, cell)| {
+            mesh.longest_edge(block, cell) / sizes.at(mesh.middle(block, cell).0)
+        });
+        let worst = excess.fold(0.0, f64::max);
+        if worst <= LONG {
+            return Ok(mesh);
+        }
+        k = (k + 1).max((k as f64 * worst) as usize);
+    }
+}
