@@ -6,12 +6,9 @@ use crate::case::error::Fault;
 use crate::case::keys;
 use crate::geometry::Point;
 use crate::mesh::{
-    CellKind, Contour, Division, Drawing, EdgeShape, Mesh, MeshError, Outline, OutlineEdge,
+    CellKind, Contour, Division, Drawing, EdgeShape, GROWTH, Mesh, MeshError, Outline, OutlineEdge,
     OutlinePart, OutlinePlace, Region, Regions, SizePoint,
 };
-
-/// Growth where the file does not say.
-const GROWTH: f64 = 0.3;
 
 const TRIANGLES: [(&str, CellKind); 2] = [("tri3", CellKind::Tri3), ("tri6", CellKind::Tri6)];
 

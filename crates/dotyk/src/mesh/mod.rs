@@ -33,6 +33,7 @@ pub use generate::{
 };
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub(crate) use locate::{Located, locate, locate_all, locate_on_side};
+pub(crate) use outline::GROWTH;
 pub use outline::{
     Contour, Division, Drawing, EdgeShape, Outline, OutlineEdge, OutlinePart, OutlinePlace, Region,
     Regions,

@@ -10,7 +10,7 @@
 //! | [`Rectangle`](crate::mesh::Rectangle), [`Ring`](crate::mesh::Ring), [`TunnelRock`](crate::mesh::TunnelRock) | triangles in their outline, as many nodes per area as before where h is larger: a lattice can only be refined along whole rows, so that one small place would cost rows of small cells through the whole body |
 //! | [`Cuboid`](crate::mesh::Cuboid), [`Cylinder`](crate::mesh::Cylinder), [`Sphere`](crate::mesh::Sphere) | each cell is divided into k³, with the least k that makes all edges at most h in the middle of their cell |
 //!
-//! In triangles that are made anew the longest edge of a cell is at most 1.5·h in its middle.
+//! The longest edge of a triangle made anew is at most 1.5·h in its middle, as told in `outline.rs`.
 
 use crate::geometry::{Point, add_scaled, bounding_box, distance};
 use crate::mesh::{Drawing, Facet, Mesh, MeshError, SizeField};

@@ -11,9 +11,9 @@
 //! bit; the outer nodes of a [`Ring`] from −90 to 90 about the origin and the hole nodes of a [`TunnelRock`] of the same
 //! radius, `cells[0]` and `grade` are the same numbers.
 
-mod anew;
 mod cuboid;
 mod disc;
+mod divided;
 mod layers;
 mod solids;
 mod tets;

@@ -7,6 +7,9 @@ use std::fmt;
 /// Most corners of cells: some hundred megabytes, so that a size in a wrong unit is reported within seconds.
 pub(crate) const MOST_VERTICES: usize = 2_000_000;
 
+/// Growth of sizes per distance, where nothing else is said.
+pub(crate) const GROWTH: f64 = 0.3;
+
 /// An outline with the data for its mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
@@ -262,7 +265,7 @@ impl Outline {
             boundary,
             holes: Vec::new(),
             size,
-            growth: 0.3,
+            growth: GROWTH,
             refine: Vec::new(),
             cell: CellKind::Tri3,
         }
@@ -276,7 +279,7 @@ impl Drawing {
             lines,
             regions: Vec::new(),
             size,
-            growth: 0.3,
+            growth: GROWTH,
             refine: Vec::new(),
             cell: CellKind::Tri3,
         }

@@ -1,20 +1,12 @@
-//! Structured meshes made anew with a size field.
+//! Structured meshes of the plane made anew: the outline of their sides, which are lines and arcs, filled with triangles of the same
+//! order.
 //!
-//! A lattice of the plane becomes the outline of its sides, which are lines and arcs, filled with triangles of its order. A
-//! square of area A becomes a wish for h = √(2A/√3) at its place: equilateral triangles of this size have as many nodes per area. A
-//! lattice of space keeps its cells, each divided into k³.
+//! A square of area A becomes a wish for h = √(2A/√3) at its place: equilateral triangles of this size have as many nodes per area.
 
 use crate::geometry::{Point, Surface, sub};
-use crate::mesh::generate::{Cuboid, Cylinder, MOST_POINTS, Rectangle, Ring, Sphere, TunnelRock};
-use crate::mesh::{
-    CellKind, Contour, EdgeShape, Generator, Mesh, MeshError, Outline, OutlineEdge, SizeField,
-};
-
-/// Growth of the sizes of the lattice, as that of outlines.
-const GROWTH: f64 = 0.3;
-
-/// An edge is as long as wanted within rounding.
-const LONG: f64 = 1.0 + 1e-9;
+use crate::mesh::outline::curve::cross;
+use crate::mesh::outline::nouns::{Contour, EdgeShape, GROWTH, Outline, OutlineEdge};
+use crate::mesh::{CellKind, Generator, Mesh, MeshError, Rectangle, Ring, SizeField, TunnelRock};
 
 impl Generator<2> for Rectangle {
     fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
@@ -34,42 +26,6 @@ impl Generator<2> for TunnelRock {
     }
 }
 
-impl Generator<3> for Cuboid {
-    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
-        finer(sizes, self.cells, |cells| {
-            Self {
-                cells,
-                ..self.clone()
-            }
-            .build()
-        })
-    }
-}
-
-impl Generator<3> for Cylinder {
-    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
-        finer(sizes, self.cells, |cells| {
-            Self {
-                cells,
-                ..self.clone()
-            }
-            .build()
-        })
-    }
-}
-
-impl Generator<3> for Sphere {
-    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
-        finer(sizes, self.cells, |cells| {
-            Self {
-                cells,
-                ..self.clone()
-            }
-            .build()
-        })
-    }
-}
-
 /// The outline of a lattice, filled with triangles.
 fn triangles(
     lattice: &Mesh<2>,
@@ -79,8 +35,9 @@ fn triangles(
     let block = &lattice.blocks()[0];
     let corners = block.kind.corners();
     let own = block.cells().map(|cell| {
-        let at = |k: usize| lattice.points()[cell[k % corners] as usize];
-        let twice: f64 = (0..corners).map(|k| cross(at(k), at(k + 1))).sum();
+        let at = |k: usize| lattice.points()[cell[k] as usize];
+        let from = |k: usize| sub(at(k), at(0));
+        let twice: f64 = (2..corners).map(|k| cross(from(k - 1), from(k))).sum();
         // A square has two triangles.
         let triangle = 0.5 * twice / (corners - 2) as f64;
         (4.0 * triangle / 3.0_f64.sqrt()).sqrt()
@@ -146,31 +103,5 @@ fn outline(mesh: &Mesh<2>, size: f64) -> Outline {
     Outline {
         holes: contours,
         ..Outline::new(boundary, size)
-    }
-}
-
-fn cross(a: Point<2>, b: Point<2>) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-/// A mesh of k times so many cells in each direction, with an edge of at most the size wanted in the middle of each cell.
-fn finer<const N: usize>(
-    sizes: &SizeField<3>,
-    counts: [usize; N],
-    build: impl Fn([usize; N]) -> Result<Mesh<3>, MeshError>,
-) -> Result<Mesh<3>, MeshError> {
-    let mut k: usize = 1;
-    loop {
-        let mesh = build(counts.map(|n| n.saturating_mul(k).min(MOST_POINTS)))?;
-        let blocks = mesh.blocks().iter().enumerate();
-        let cells = blocks.flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b, c)));
-        let excess = cells.map(|(block, cell)| {
-            mesh.longest_edge(block, cell) / sizes.at(mesh.middle(block, cell).0)
-        });
-        let worst = excess.fold(0.0, f64::max);
-        if worst <= LONG {
-            return Ok(mesh);
-        }
-        k = (k + 1).max((k as f64 * worst) as usize);
     }
 }
