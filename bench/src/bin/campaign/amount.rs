@@ -1,6 +1,5 @@
 //! Numbers that are linear functions of the place, times a function of time: loads, prescribed displacements, gaps.
 
-use crate::plane::rotation;
 use crate::vector::{applied, dot};
 
 /// The factor of a term as a function of the time t.
@@ -122,13 +121,6 @@ impl<const D: usize> Amount<D> {
     }
 }
 
-impl Amount {
-    /// factor times the same at places that were moved from x to `lengths`·Qx, Q a rotation by an angle.
-    pub fn carried(&self, factor: f64, lengths: f64, angle: f64) -> Self {
-        self.moved(factor, lengths, rotation(angle))
-    }
-}
-
 fn expression<const D: usize>(term: &Term<D>) -> String {
     let mut place = format!("{:?}", term.constant);
     for (slope, name) in term.slope.iter().zip(["x", "y", "z"]) {
@@ -169,15 +161,11 @@ pub fn moved_vector<const D: usize>(
     })
 }
 
-/// The same, turned by an angle.
-pub fn carried_vector(field: &[Amount; 2], factor: f64, lengths: f64, angle: f64) -> [Amount; 2] {
-    moved_vector(field, factor, lengths, rotation(angle))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::{rotated, times};
+    use crate::plane::{rotated, rotation};
+    use crate::vector::times;
 
     #[test]
     fn a_turned_field_gives_turned_vectors_at_turned_places() {
@@ -186,7 +174,7 @@ mod tests {
             Amount::new(-0.3, [0.1, 0.7], Time::Line(0.0, 2.0)),
         ];
         let (angle, x, t) = (0.7, [0.4, -1.2], 1.5);
-        let turned = carried_vector(&field, 3.0, 2.0, angle);
+        let turned = moved_vector(&field, 3.0, 2.0, rotation(angle));
         let there = times(2.0, rotated(x, angle));
         let expected = times(3.0, rotated(vector_at(&field, x, t), angle));
         let found = vector_at(&turned, there, t);

@@ -4,9 +4,46 @@
 //!   min |A x − b|   over x ≥ 0
 //! ```
 //!
-//! The columns of A are the edges of the cone, here forces or forces with their moments: three rows in the plane, six in space.
+//! The columns of A are the edges of the cone, here forces or forces with their moments. The round cone of friction of space is
+//! replaced by a pyramid inside it, or around it, which is wider by 1/cos(π/number of edges).
 //!
 //! Source: the active-set method as described in C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974.
+
+use crate::vector::{plus, tangents, times};
+use std::f64::consts::{PI, TAU};
+
+/// Edges of the pyramid around a cone of friction.
+pub const EDGES: usize = 16;
+
+/// Edges of a cone of friction about a unit direction: two in the plane; in space those of a pyramid of so many edges, inside it or
+/// around it.
+pub fn cone<const D: usize>(
+    direction: [f64; D],
+    friction: f64,
+    edges: usize,
+    around: bool,
+) -> Vec<[f64; D]> {
+    let tangents = match tangents(direction)[..] {
+        _ if friction == 0.0 => return vec![direction],
+        [a] => vec![a, times(-1.0, a)],
+        [a, b] => {
+            let edge = |k: usize| {
+                let (s, c) = (TAU * k as f64 / edges as f64).sin_cos();
+                plus(times(c, a), s, b)
+            };
+            (0..edges).map(edge).collect()
+        }
+        _ => Vec::new(),
+    };
+    let reach = match D {
+        3 if around => 1.0 / (PI / edges as f64).cos(),
+        _ => 1.0,
+    };
+    let edges = tangents.into_iter();
+    edges
+        .map(|t| plus(direction, reach * friction, t))
+        .collect()
+}
 
 /// Distance of b from the cone that the columns span.
 pub fn distance<const N: usize>(columns: &[[f64; N]], b: [f64; N]) -> f64 {
@@ -131,6 +168,22 @@ mod tests {
             // all edges lie in the upper half space: nothing below the plane y = 0 is near
             assert!(distance(&many, [0.0, -2.0, 0.0]) >= 2.0 - 1e-12);
         }
+    }
+
+    #[test]
+    fn pyramids_lie_inside_and_around_the_cone() {
+        let n = [0.0, 0.6, 0.8];
+        for k in 0..100 {
+            let [a, b] = tangents(n)[..] else { panic!() };
+            let (s, c) = (0.0628 * f64::from(k)).sin_cos();
+            let along = plus(times(c, a), s, b);
+            let at = |reach: f64| plus(n, 0.3 * reach, along);
+            let off = |around, reach| distance(&cone(n, 0.3, 16, around), at(reach));
+            assert!(off(true, 1.0) < 1e-14 && off(true, 1.03) > 1e-4);
+            assert!(off(false, 0.98) < 1e-14 && off(false, 1.0 + 1e-9) > 1e-12);
+        }
+        let flat = cone([0.0, 1.0], 0.3, 16, true);
+        assert_eq!(flat, [[-0.3, 1.0], [0.3, 1.0]]);
     }
 
     #[test]

@@ -13,27 +13,20 @@
 use crate::check::View;
 use crate::elastic::{bedded, external, internal};
 use crate::judgement::Judgement;
-use crate::plane::{Vector, bounds, length, minus};
 use crate::raw::Mesh;
+use crate::vector::{bounds, length, minus};
 
 /// Largest factor between such tractions of one facet and the next.
 const LEAK: f64 = 0.4;
 
 /// Largest part of the contact forces on a body that may leak into a cut.
-fn leak(view: &View<'_>, body: usize, at: f64) -> f64 {
+fn leak(view: &View<'_, 2>, body: usize, at: f64) -> f64 {
     let mesh = &view.answer.meshes[body];
     let mut sum = 0.0;
-    for touch in view.touches {
-        let sides = [
-            (Some(touch.own), Some(&touch.curve)),
-            (touch.other, touch.opposite.as_ref()),
-        ];
-        for (own, curve) in sides {
-            let Some(curve) = curve.filter(|_| own == Some(body)) else {
-                continue;
-            };
-            for &node in curve.around.keys() {
-                let between = (mesh.points[node][0] - at).abs() / curve.longest;
+    for c in 0..view.touches.len() {
+        for (_, skin, _) in view.sides(c).filter(|(own, ..)| *own == body) {
+            for &node in skin.around.keys() {
+                let between = (mesh.points[node][0] - at).abs() / skin.longest;
                 // forces of supports are not spread
                 let force = view.state.free(body, node, view.state.rest[body][node]);
                 sum += length(force) * LEAK.powf(between - 1.0);
@@ -62,7 +55,7 @@ fn part(mesh: &Mesh, at: f64, ahead: bool) -> Mesh {
 }
 
 /// Judges the section forces of a step.
-pub fn check_sections(judgement: &mut Judgement, view: &View<'_>) {
+pub fn check_sections(judgement: &mut Judgement, view: &View<'_, 2>) {
     let analysis = view.problem.analysis;
     for (section, told) in view.problem.sections.iter().zip(&view.step.sections) {
         let place = view.problem.body(&section.body);
@@ -84,8 +77,7 @@ pub fn check_sections(judgement: &mut Judgement, view: &View<'_>) {
                 if (x[0] - station[0]).abs() > near {
                     continue;
                 }
-                let f: Vector =
-                    std::array::from_fn(|d| inside[node][d] - outside[node][d] - beds[node][d]);
+                let f = minus(minus(inside[node], outside[node]), beds[node]);
                 n -= f[0];
                 v += f[1];
                 m -= f[0] * (x[1] - middle);

@@ -6,7 +6,7 @@
 //!                                                      [--seed K --show] [--failed] [--more]
 //! ```
 //!
-//! A seed makes a problem ([`families`], in space [`space`]), the problem makes a case file, the program answers, and [`check`]
+//! A seed makes a problem ([`families`], in space [`solids`]), the problem makes a case file, the program answers, and [`check`]
 //! judges the answer from displacements and rows alone. The campaign looks for answers that are certified and wrong. A part of the
 //! seeds is solved again as an equivalent problem ([`twins`]), frictionless ones by another method.
 //! `--more` draws among the families that were added later: a new family in the first list would change the family of each seed.
@@ -16,22 +16,26 @@
 //! Exit status 1 if an answer is wrong or the program panics, with `--failed` also if an answer is missing.
 
 mod amount;
-mod asked;
+mod carry;
+mod case;
 mod cells;
 mod check;
 mod cone;
-mod corners;
 mod cuts;
+mod dimension;
 mod elastic;
 mod families;
 mod gmsh;
 mod held;
+mod jitter;
 mod judgement;
+mod lines;
 mod metal;
 #[cfg(test)]
 mod mutations;
 mod overlap;
 mod plane;
+mod polygons;
 mod problem;
 mod random;
 mod raw;
@@ -39,9 +43,10 @@ mod report;
 mod rows;
 mod run;
 mod side;
+mod solids;
 mod solve;
-mod space;
 mod state;
+mod statics;
 mod touch;
 mod twin;
 mod twins;
@@ -61,8 +66,8 @@ fn main() -> ExitCode {
         }
     };
     let clean = match space {
-        true => run::<space::Problem, 3>(&options),
-        false => run::<problem::Problem, 2>(&options),
+        true => run::<3>(&options),
+        false => run::<2>(&options),
     };
     match clean {
         Ok(true) => ExitCode::SUCCESS,

@@ -7,53 +7,36 @@
 //!
 //! at the Gauss points of the stiffness, step by step, each with the plastic strain ε_p and the equivalent plastic strain p of the
 //! steps before. θ is the volumetric strain; once a point of a body has yielded, in its quadrilaterals of second order θ is replaced
-//! by its least-squares fit by a linear function of the reference coordinates (normal equations of three coefficients). Components
-//! xx yy zz xy; around an axis zz is the hoop.
+//! by its least-squares fit by a linear function of the reference coordinates (normal equations of three coefficients).
 //!
 //! The judge solves no problem: displacements are an answer if these stresses are in equilibrium.
 
-use crate::cells::Kind;
-use crate::elastic::{Internal, Station, depth, station};
-use crate::plane::{Vector, length, minus, plus};
+use crate::cells::{Kind, Place};
+use crate::elastic::{Internal, Station, Tensor, largest, stations, tables};
 use crate::problem::{Analysis, Body, Metal};
 use crate::raw::Mesh;
+use crate::vector::{dot, plus, times};
 
 /// Plastic strain of a point, and the equivalent plastic strain.
-type Plastic = ([f64; 4], f64);
+type Plastic = (Tensor, f64);
 
-/// Strain of a cell at one of its points, from displacements relative to its first node.
-fn strain(at: &Station, nodes: &[usize], moves: &[Vector], axisymmetric: bool) -> [f64; 4] {
-    let first = moves[nodes[0]];
-    let mut strain = [0.0; 4];
-    for ((&node, g), n) in nodes.iter().zip(&at.gradients).zip(&at.shape) {
-        let u = minus(moves[node], first);
-        strain[0] += g[0] * u[0];
-        strain[1] += g[1] * u[1];
-        strain[3] += 0.5 * (g[1] * u[0] + g[0] * u[1]);
-        if axisymmetric {
-            strain[2] += n * moves[node][0] / at.x[0];
-        }
-    }
-    strain
+fn deviator(a: Tensor) -> Tensor {
+    let mean = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
+    let mut deviator = a;
+    (0..3).for_each(|i| deviator[i][i] -= mean);
+    deviator
 }
 
-/// The shear component counts twice: xy stands for yx, too.
-fn contracted(a: [f64; 4]) -> f64 {
-    a[0] * a[0] + a[1] * a[1] + a[2] * a[2] + 2.0 * a[3] * a[3]
-}
-
-fn deviator(a: [f64; 4]) -> [f64; 4] {
-    let mean = (a[0] + a[1] + a[2]) / 3.0;
-    [a[0] - mean, a[1] - mean, a[2] - mean, a[3]]
+/// a + s·b.
+fn sum(a: Tensor, s: f64, b: Tensor) -> Tensor {
+    std::array::from_fn(|i| plus(a[i], s, b[i]))
 }
 
 /// One step of a point to a strain; its elastic stress relative to its strength, above 1 where the point yields.
-fn returned((plastic, p): &mut Plastic, strain: [f64; 4], shear: f64, metal: &Metal) -> f64 {
-    let trial: [f64; 4] = {
-        let dev = deviator(strain);
-        std::array::from_fn(|i| 2.0 * shear * (dev[i] - plastic[i]))
-    };
-    let size = (1.5 * contracted(trial)).sqrt();
+fn returned((plastic, p): &mut Plastic, strain: Tensor, shear: f64, metal: &Metal) -> f64 {
+    let trial = sum(deviator(strain), -1.0, *plastic).map(|row| times(2.0 * shear, row));
+    let contracted: f64 = trial.iter().map(|&row| dot(row, row)).sum();
+    let size = (1.5 * contracted).sqrt();
     let strength = metal.yields + metal.hardening * *p;
     let beyond = size - strength;
     if beyond <= 0.0 {
@@ -61,15 +44,13 @@ fn returned((plastic, p): &mut Plastic, strain: [f64; 4], shear: f64, metal: &Me
     }
     let more = beyond / (3.0 * shear + metal.hardening);
     *p += more;
-    for (plastic, s) in plastic.iter_mut().zip(trial) {
-        *plastic += more * 1.5 * s / size;
-    }
+    *plastic = sum(*plastic, more * 1.5 / size, trial);
     size / strength
 }
 
 /// The least-squares fit a + bξ + cη of values at points, evaluated at these points.
-fn linear(points: &[(Vector, f64)], values: &[f64]) -> Vec<f64> {
-    let functions = |[x, y]: Vector| [1.0, x, y];
+fn linear(points: &[(Place, f64)], values: &[f64]) -> Vec<f64> {
+    let functions = |[x, y, _]: Place| [1.0, x, y];
     let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
     for (&(xi, weight), value) in points.iter().zip(values) {
         let f = functions(xi);
@@ -94,7 +75,7 @@ fn linear(points: &[(Vector, f64)], values: &[f64]) -> Vec<f64> {
         let known: f64 = (i + 1..3).map(|j| matrix[i][j] * solved[j]).sum();
         solved[i] = (right[i] - known) / matrix[i][i];
     }
-    let at = |&(xi, _): &(Vector, f64)| {
+    let at = |&(xi, _): &(Place, f64)| {
         let f = functions(xi);
         (0..3).map(|k| f[k] * solved[k]).sum()
     };
@@ -107,75 +88,54 @@ const NEAR: f64 = 0.9;
 
 /// Nodal forces of the stresses of a body of metal after the displacements of all steps in turn, with the cells of a flowing body if it
 /// flows or `gives_way`; and whether it may have either.
-pub fn internal(
-    (mesh, body, metal): (&Mesh, &Body, &Metal),
+pub fn internal<const D: usize>(
+    (mesh, body, metal): (&Mesh<D>, &Body<D>, &Metal),
     analysis: Analysis,
-    ways: &[&[Vector]],
+    ways: &[&[[f64; D]]],
     (least, gives_way): (f64, bool),
-) -> (Internal, bool) {
-    let round = analysis.axisymmetric();
+) -> (Internal<D>, bool) {
     let shear = body.young / (2.0 * (1.0 + body.poisson));
     let bulk = body.young / (3.0 * (1.0 - 2.0 * body.poisson));
     let moves = ways.last().copied().unwrap_or_default();
     let mut out = Internal {
-        forces: vec![[0.0; 2]; mesh.points.len()],
+        forces: vec![[0.0; D]; mesh.points.len()],
         magnitudes: vec![0.0; mesh.points.len()],
     };
-    let points = |cell: usize| -> Vec<(Vector, Station)> {
-        let rule = mesh.cells[cell].0.rule(round).into_iter();
-        rule.map(|(xi, weight)| (xi, station(mesh, cell, xi, weight)))
-            .collect()
+    let tables = tables(mesh, |kind| kind.rule(analysis.axisymmetric()));
+    let points = |cell: usize| stations((mesh, body, analysis), &tables, cell);
+    let strain = |at: &Station<D>, nodes: &[usize], moves: &[[f64; D]]| {
+        at.strain(|k| moves[nodes[k]], moves[nodes[0]])
     };
     let mut most = 0.0;
-    let mut plastic: Vec<Vec<Plastic>> = Vec::new();
+    let mut plastic: Vec<Vec<Tensor>> = Vec::new();
     for (cell, (_, nodes)) in mesh.cells.iter().enumerate() {
-        let of_point = |(_, at): &(Vector, Station)| {
-            let mut own = ([0.0; 4], 0.0);
+        let of_point = |at: &Station<D>| {
+            let mut own = ([[0.0; 3]; 3], 0.0);
             for moves in ways {
-                let size = returned(&mut own, strain(at, nodes, moves, round), shear, metal);
+                let size = returned(&mut own, strain(at, nodes, moves), shear, metal);
                 most = f64::max(most, size);
             }
-            own
+            own.0
         };
         plastic.push(points(cell).iter().map(of_point).collect());
     }
     let flows = most > 1.0;
     for (cell, (kind, nodes)) in mesh.cells.iter().enumerate() {
         let points = points(cell);
-        let strains = points.iter().map(|(_, at)| strain(at, nodes, moves, round));
-        let strains: Vec<[f64; 4]> = strains.collect();
-        let mut volumes: Vec<f64> = strains.iter().map(|e| e[0] + e[1] + e[2]).collect();
+        let strains = points.iter().map(|at| strain(at, nodes, moves));
+        let strains: Vec<Tensor> = strains.collect();
+        let volumetric = strains.iter().map(|e| e[0][0] + e[1][1] + e[2][2]);
+        let mut volumes: Vec<f64> = volumetric.collect();
         if (flows || gives_way) && matches!(kind, Kind::Quad8 | Kind::Quad9) {
-            let places = points
-                .iter()
-                .map(|(xi, at)| (*xi, at.area * depth(body, analysis, at.x)));
-            volumes = linear(&places.collect::<Vec<_>>(), &volumes);
+            let places: Vec<_> = points.iter().map(|at| (at.xi, at.volume)).collect();
+            volumes = linear(&places, &volumes);
         }
-        let largest = nodes
-            .iter()
-            .fold(least, |s: f64, &n| s.max(length(moves[n])));
-        for (((_, at), strain), (theta, (own, _))) in points
-            .iter()
-            .zip(strains)
-            .zip(volumes.iter().zip(&plastic[cell]))
-        {
-            let dev = deviator(strain);
-            let mut stress: [f64; 4] = std::array::from_fn(|i| 2.0 * shear * (dev[i] - own[i]));
-            stress[..3].iter_mut().for_each(|s| *s += bulk * theta);
-            let volume = at.area * depth(body, analysis, at.x);
-            let slopes: f64 = at.gradients.iter().map(|g| length(*g)).sum();
-            for ((&node, g), n) in nodes.iter().zip(&at.gradients).zip(&at.shape) {
-                let mut force = [
-                    stress[0] * g[0] + stress[3] * g[1],
-                    stress[3] * g[0] + stress[1] * g[1],
-                ];
-                if round {
-                    force[0] += stress[2] * n / at.x[0];
-                }
-                out.forces[node] = plus(out.forces[node], volume, force);
-                out.magnitudes[node] +=
-                    volume * (bulk + 2.0 * shear) * length(*g) * slopes * largest;
-            }
+        let largest = largest(nodes, moves, least);
+        for (k, at) in points.iter().enumerate() {
+            let elastic = sum(deviator(strains[k]), -1.0, plastic[cell][k]);
+            let mut stress = elastic.map(|row| times(2.0 * shear, row));
+            (0..3).for_each(|i| stress[i][i] += bulk * volumes[k]);
+            at.add(&mut out, nodes, &stress, [bulk + 2.0 * shear, largest]);
         }
     }
     (out, !flows && most > NEAR)

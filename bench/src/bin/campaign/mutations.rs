@@ -3,45 +3,87 @@
 use crate::amount::{Amount, Time};
 use crate::cells::Kind;
 use crate::check::check;
-use crate::plane::{minus, plus, rotated, times, turned};
+use crate::dimension::Dimension;
 use crate::problem::{
-    Against, Analysis, Body, Contact, Drive, Gap, Known, Law, Load, Pairing, Problem, Shape,
-    Support, Surface, clamp, hold, moved, on, side, steps,
+    Against, Analysis, Body, Contact, Drive, Field, Gap, Known, Law, Load, Pairing, Problem, Shape,
+    Surface, clamp, constant, driven, hold, on, roller, side, steps,
 };
-use crate::raw::{Answer, Status};
-use crate::solve::{Folder, Outcome, solve};
+use crate::random::Random;
+use crate::raw::{Answer, Mesh, Row, Status, Step};
+use crate::solve::{Folder, Outcome, Solvable, solve};
+use crate::twin::difference;
+use crate::vector::{axes, cross, lowered, minus, plus, tangents, times};
 
-fn body(name: &str, shape: Shape, kind: Kind) -> Body {
-    Body {
-        name: name.to_string(),
-        shape,
-        kind,
-        patches: Vec::new(),
-        young: 1.0,
-        poisson: 0.3,
-        thickness: 1.0,
-        supports: Vec::new(),
-        loads: Vec::new(),
-        weight: Default::default(),
-        circles: Vec::new(),
-        more: Default::default(),
-    }
+/// A body without supports and loads.
+pub fn body<const D: usize>(name: &str, shape: Shape<D>, kind: Kind) -> Body<D> {
+    Body::new(name, shape, kind, [1.0, 0.3])
 }
 
-fn block(name: &str, from: [f64; 2], to: [f64; 2], cells: [usize; 2]) -> Body {
-    let shape = Shape::Rectangle {
+/// A rectangle or a box.
+pub fn block<const D: usize>(from: [f64; D], to: [f64; D], cells: [usize; D]) -> Shape<D> {
+    Shape::Block {
         from,
         to,
         cells,
         diagonals: "forward",
-    };
-    body(name, shape, Kind::Quad4)
+    }
 }
 
-fn contact(own: &str, own_side: &str, against: Against, law: Law) -> Contact {
+/// A ball.
+pub fn ball(center: [f64; 3], radius: f64, cells: [usize; 2]) -> Shape<3> {
+    Shape::Ball {
+        center,
+        radius,
+        cells,
+    }
+}
+
+/// The mesh that the program makes of a body.
+pub fn mesh_of<const D: usize>(body: &Body<D>) -> Mesh<D>
+where
+    Problem<D>: Solvable<D>,
+{
+    let text = problem(vec![body.clone()], Vec::new(), 1).text();
+    crate::solve::meshes(&text).unwrap().remove(0)
+}
+
+fn problem<const D: usize>(
+    bodies: Vec<Body<D>>,
+    contacts: Vec<Contact<D>>,
+    count: usize,
+) -> Problem<D> {
+    let analysis = if D == 2 {
+        Analysis::PlaneStrain
+    } else {
+        Analysis::Space
+    };
+    Problem {
+        bodies,
+        contacts,
+        times: steps(count),
+        known: Known::Holds,
+        ..Problem::new("mutations", analysis)
+    }
+}
+
+/// A vector along, across (in space alone) and upwards.
+fn v<const D: usize>(along: f64, across: f64, up: f64) -> [f64; D] {
+    lowered(if D == 2 {
+        [along, up, 0.0]
+    } else {
+        [along, across, up]
+    })
+}
+
+/// Numbers of cells along, across (in space alone) and upwards.
+fn cells<const D: usize>(plane: [usize; 2], space: [usize; 3]) -> [usize; D] {
+    std::array::from_fn(|d| if D == 2 { plane[d] } else { space[d] })
+}
+
+fn contact<const D: usize>(own: &str, against: Against<D>, law: Law<D>) -> Contact<D> {
     Contact {
         name: "c".to_string(),
-        own: side(own, own_side),
+        own: side("block", own),
         against,
         pairing: Pairing::Default,
         gap: Gap::Default,
@@ -49,121 +91,106 @@ fn contact(own: &str, own_side: &str, against: Against, law: Law) -> Contact {
     }
 }
 
-fn problem(bodies: Vec<Body>, contacts: Vec<Contact>, count: usize) -> Problem {
-    Problem {
-        family: "mutations",
-        analysis: Analysis::PlaneStrain,
-        bodies,
-        contacts,
-        times: steps(count),
-        known: Known::Holds,
-        reason: String::new(),
-        uniform: None,
-        spins: false,
-        method: "auto".to_string(),
-        drawing: None,
-        sections: Vec::new(),
-        other: None,
-        idle: Vec::new(),
-        past: 0,
-    }
-}
-
-fn plane() -> Against {
+/// A rigid plane through the origin.
+fn plane<const D: usize>(normal: [f64; D], drive: Drive<D>) -> Against<D> {
+    let point = [0.0; D];
     Against::Obstacle {
-        surface: Surface::Plane {
-            point: [0.0, 0.0],
-            normal: [0.0, 1.0],
-        },
-        drive: Drive::Nothing,
+        surface: Surface::Plane { point, normal },
+        drive,
     }
 }
 
-fn top_load(field: [Amount; 2]) -> Load {
-    Load::Traction {
-        side: "top".to_string(),
-        field,
-    }
+fn ground<const D: usize>() -> Against<D> {
+    plane(v(0.0, 0.0, 1.0), Drive::Nothing)
 }
 
-fn floor_body() -> Against {
+fn on_floor<const D: usize>() -> Against<D> {
     Against::Side {
         side: side("floor", "top"),
         chosen: false,
     }
 }
 
-/// A block on a rigid plane, pressed, and drawn to and fro along its top, until parts of its sole slip.
-fn drawn() -> Problem {
-    let mut block = block("block", [0.0, 0.0], [2.0, 1.0], [8, 4]);
-    block.supports = vec![
-        moved(on("top"), 0, Amount::timed(6e-4, Time::Wave(2.0, 0.0))),
-        moved(on("top"), 1, Amount::from(-1e-3)),
-    ];
-    let law = Law::Coulomb(Amount::from(0.3));
-    problem(
-        vec![block],
-        vec![contact("block", "bottom", plane(), law)],
-        3,
+fn upper<const D: usize>(cells: [usize; D]) -> Body<D> {
+    let shape = block([0.0; D], v(2.0, 1.0, 1.0), cells);
+    body(
+        "block",
+        shape,
+        if D == 2 { Kind::Quad4 } else { Kind::Hex8 },
     )
+}
+
+fn floor<const D: usize>(cells: [usize; D], out: f64) -> Body<D> {
+    let (from, to) = (v(-out, -out, -1.0), v(2.0 + out, 1.0 + out, 0.0));
+    let kind = if D == 2 { Kind::Quad4 } else { Kind::Hex8 };
+    let mut floor = body("floor", block(from, to, cells), kind);
+    floor.supports = vec![clamp(on("bottom"))];
+    floor
+}
+
+/// A block on a rigid plane, pressed, and drawn along a path by its top, until parts of its sole slip.
+fn drawn<const D: usize>() -> Problem<D> {
+    let mut block = upper(cells([8, 4], [4, 3, 2]));
+    let wave = |size: f64, phase: f64| Amount::timed(size, Time::Wave(2.0, phase));
+    let mut path: Field<D> = constant(v(0.0, 0.0, -1e-3));
+    path[0] = wave(6e-4, 0.0);
+    if D == 3 {
+        path[1] = wave(4e-4, 1.0);
+    }
+    block.supports = vec![driven(on("top"), path)];
+    let touch = contact("bottom", ground(), Law::rubbing(0.3));
+    problem(vec![block], vec![touch], 3)
 }
 
 /// A block on a wider one, whose meshes do not fit, with friction, pressed and drawn; nonmortar is the block.
-fn paired() -> Problem {
-    let mut upper = block("block", [0.0, 0.0], [2.0, 1.0], [7, 4]);
-    upper.loads = vec![top_load([Amount::from(1e-4), Amount::from(-1e-3)])];
-    let mut floor = block("floor", [-0.5, -1.0], [2.5, 0.0], [13, 4]);
-    floor.supports = vec![clamp(on("bottom"))];
-    let law = Law::Coulomb(Amount::from(0.4));
-    let touch = contact("block", "bottom", floor_body(), law);
-    problem(vec![upper, floor], vec![touch], 1)
+fn paired<const D: usize>() -> Problem<D> {
+    let mut block = upper(cells([7, 4], [4, 3, 2]));
+    block.pull("top", constant(v(1e-4, -5e-5, -1e-3)));
+    let floor = floor(cells([13, 4], [5, 4, 2]), if D == 2 { 0.5 } else { 0.3 });
+    let touch = contact("bottom", on_floor(), Law::rubbing(0.4));
+    problem(vec![block, floor], vec![touch], 1)
 }
 
 /// Two blocks with the same nodes, frictionless.
-fn matching() -> Problem {
-    let mut upper = block("block", [0.0, 0.0], [2.0, 1.0], [8, 4]);
-    upper.supports = vec![hold(on("left"), 0)];
-    upper.loads = vec![top_load([
-        Amount::default(),
-        Amount::new(-1e-3, [2e-4, 0.0], Time::Always),
-    ])];
-    let mut floor = block("floor", [0.0, -1.0], [2.0, 0.0], [8, 3]);
-    floor.supports = vec![clamp(on("bottom"))];
-    let touch = contact("block", "bottom", floor_body(), Law::Frictionless);
-    problem(vec![upper, floor], vec![touch], 1)
+fn matching<const D: usize>() -> Problem<D> {
+    let mut block = upper(cells([8, 4], [4, 3, 2]));
+    block.press(
+        "top",
+        Amount::new(1e-3, times(-2e-4, axes()[0]), Time::Always),
+    );
+    if D == 2 {
+        block.supports = vec![hold(on("left"), 0)];
+    }
+    let floor = floor(cells([8, 3], [4, 3, 2]), 0.0);
+    let touch = contact("bottom", on_floor(), Law::Frictionless);
+    problem(vec![block, floor], vec![touch], 1)
 }
 
 /// A block glued below another.
-fn glued(matching: bool) -> Problem {
-    let mut upper = block("block", [0.0, 0.0], [2.0, 1.0], [8, 4]);
-    upper.supports = vec![clamp(on("top"))];
-    let mut lower = block(
-        "floor",
-        [0.0, -1.0],
-        [2.0, 0.0],
-        [if matching { 8 } else { 5 }, 4],
+fn glued<const D: usize>(matching: bool) -> Problem<D> {
+    let mut block = upper(cells([8, 4], [4, 3, 2]));
+    block.supports = vec![clamp(on("top"))];
+    let mut lower = floor(
+        match matching {
+            true => cells([8, 4], [4, 3, 2]),
+            false => cells([5, 4], [3, 2, 2]),
+        },
+        0.0,
     );
-    lower.weight[1] = Amount::from(-1e-3);
-    problem(
-        vec![upper, lower],
-        vec![contact("block", "bottom", floor_body(), Law::Tied)],
-        1,
-    )
+    lower.supports.clear();
+    lower.weight = constant(v(0.0, 3e-4, -1e-3));
+    let touch = contact("bottom", on_floor(), Law::Tied);
+    problem(vec![block, lower], vec![touch], 1)
 }
 
 /// A stamp that a force presses from below.
-fn stamp() -> Problem {
-    let mut upper = block("block", [0.0, 0.0], [2.0, 1.0], [8, 4]);
-    upper.supports = vec![clamp(on("top"))];
-    let mut against = plane();
-    if let Against::Obstacle { drive, .. } = &mut against {
-        *drive = Drive::Force([Amount::from(0.0), Amount::from(1e-3)]);
-    }
-    problem(
-        vec![upper],
-        vec![contact("block", "bottom", against, Law::Frictionless)],
-        1,
-    )
+fn stamp<const D: usize>() -> Problem<D> {
+    let mut block = upper(cells([8, 4], [4, 3, 2]));
+    block.supports = vec![clamp(on("top"))];
+    let force = Drive::Force(constant(v(0.0, 0.0, 1e-3)));
+    let against = plane(v(0.0, 0.0, 1.0), force);
+    let touch = contact("bottom", against, Law::Frictionless);
+    problem(vec![block], vec![touch], 1)
 }
 
 /// A disc under its weight on a plane or on a block.
@@ -178,42 +205,46 @@ fn disc(elastic: bool) -> Problem {
     let mut round = body("block", shape, Kind::Quad4);
     round.weight[1] = Amount::from(-1e-4);
     if elastic {
-        let mut floor = block("floor", [-1.0, -1.0], [1.0, 0.0], [13, 5]);
+        let shape = block([-1.0, -1.0], [1.0, 0.0], [13, 5]);
+        let mut floor = body("floor", shape, Kind::Quad4);
         floor.supports = vec![clamp(on("bottom"))];
-        let touch = contact("block", "outer", floor_body(), Law::Frictionless);
+        let touch = contact("outer", on_floor(), Law::Frictionless);
         return problem(vec![round, floor], vec![touch], 1);
     }
-    problem(
-        vec![round],
-        vec![contact("block", "outer", plane(), Law::Frictionless)],
-        1,
-    )
+    let touch = contact("outer", ground(), Law::Frictionless);
+    problem(vec![round], vec![touch], 1)
 }
 
-/// A block in a corner of two planes without friction: its corner node is in two contacts.
-fn corner() -> Problem {
-    let mut block = block("block", [0.0, 0.0], [1.0, 1.0], [4, 4]);
-    block.loads = vec![
-        top_load([Amount::default(), Amount::from(-1e-3)]),
-        Load::Traction {
-            side: "right".to_string(),
-            field: [Amount::from(-1e-3), Amount::default()],
-        },
-    ];
-    let mut wall = contact("block", "left", plane(), Law::Frictionless);
+/// A ball pressed into a block by its weight.
+fn round() -> Problem<3> {
+    let center = [1.0, 0.5, 1.0];
+    let mut ball = body("block", ball(center, 1.0, [8, 1]), Kind::Hex8);
+    ball.weight = constant([0.0, 0.0, -1e-4]);
+    // the true surface, as the program knows it for its own meshes
+    ball.surfaces = vec![crate::problem::round("outer", center, 1.0)];
+    let touch = contact("outer", on_floor(), Law::Frictionless);
+    problem(vec![ball, floor([5, 4, 2], 0.0)], vec![touch], 1)
+}
+
+/// A block in a corner of two planes without friction: its edge is in two contacts.
+fn corner<const D: usize>() -> Problem<D> {
+    let shape = block([0.0; D], [1.0; D], cells([4, 4], [3, 2, 3]));
+    let kind = if D == 2 { Kind::Quad4 } else { Kind::Hex8 };
+    let mut block = body("block", shape, kind);
+    block.press("top", Amount::from(1e-3));
+    block.press("right", Amount::from(1e-3));
+    let mut wall = contact("left", plane(axes()[0], Drive::Nothing), Law::Frictionless);
     wall.name = "wall".to_string();
-    if let Against::Obstacle { surface, .. } = &mut wall.against {
-        *surface = Surface::Plane {
-            point: [0.0, 0.0],
-            normal: [1.0, 0.0],
-        };
-    }
-    let floor = contact("block", "bottom", plane(), Law::Frictionless);
+    let floor = contact("bottom", ground(), Law::Frictionless);
     problem(vec![block], vec![floor, wall], 1)
 }
 
-fn answer(problem: &Problem, name: &str) -> Answer {
-    let folder = Folder::new(&format!("mutations-{name}")).unwrap();
+fn answer<const D: usize>(problem: &Problem<D>, name: &str) -> Answer<D>
+where
+    Problem<D>: Dimension<D>,
+{
+    let name = name.replace(' ', "-");
+    let folder = Folder::new(&format!("mutations-{D}-{name}")).unwrap();
     match solve(problem, &folder, 60.0) {
         Outcome::Certified(answer) => answer,
         other => panic!("{name}: {other:?}"),
@@ -221,305 +252,401 @@ fn answer(problem: &Problem, name: &str) -> Answer {
 }
 
 /// The names of the findings.
-fn found(problem: &Problem, answer: &Answer) -> Vec<&'static str> {
-    check(problem, answer)
-        .findings
-        .iter()
-        .map(|f| f.what)
-        .collect()
+fn found<const D: usize>(problem: &Problem<D>, answer: &Answer<D>) -> Vec<&'static str>
+where
+    Problem<D>: Dimension<D>,
+{
+    let judgement = check(problem, answer);
+    judgement.findings.iter().map(|f| f.what).collect()
 }
 
 /// The right answer is right, and the spoiled one is not, for this reason.
-fn noticed(
+fn noticed<const D: usize>(
     name: &str,
-    problem: &Problem,
+    problem: &Problem<D>,
     what: &str,
-    spoil: impl FnOnce(&mut Problem, &mut Answer),
-) {
+    spoil: impl FnOnce(&mut Problem<D>, &mut Answer<D>),
+) where
+    Problem<D>: Dimension<D>,
+{
     let mut answer = answer(problem, name);
-    assert_eq!(
-        found(problem, &answer),
-        Vec::<&str>::new(),
-        "{name} is right"
-    );
+    let faults = check(problem, &answer).findings;
+    assert!(faults.is_empty(), "{name}: {faults:?}");
     let mut other = problem.clone();
     spoil(&mut other, &mut answer);
     let all = found(&other, &answer);
     assert!(all.contains(&what), "{name}: {what} is not among {all:?}");
 }
 
-/// The node of the first body nearest to a point.
-fn node(answer: &Answer, x: [f64; 2]) -> usize {
-    crate::elastic::nearest(&answer.meshes[0], x)
-}
-
-fn last(answer: &mut Answer) -> &mut crate::raw::Step {
+fn last<const D: usize>(answer: &mut Answer<D>) -> &mut Step<D> {
     answer.steps.last_mut().unwrap()
 }
 
-#[test]
-fn a_displaced_node_is_noticed() {
-    noticed("displaced", &matching(), "equilibrium", |_, answer| {
-        let inner = node(answer, [1.0, 0.5]);
+/// Moves a body rigidly.
+fn shift<const D: usize>(answer: &mut Answer<D>, body: usize, by: [f64; D]) {
+    let moves = &mut last(answer).displacements[body];
+    moves.iter_mut().for_each(|u| *u = plus(*u, 1.0, by));
+}
+
+fn wrong_inside<const D: usize>()
+where
+    Problem<D>: Dimension<D>,
+{
+    noticed("displaced", &matching::<D>(), "equilibrium", |_, answer| {
+        let inner = answer.meshes[0].nearest(v(1.0, 0.33, 0.5));
         last(answer).displacements[0][inner][0] += 1e-8;
     });
-}
-
-#[test]
-fn another_load_or_support_is_noticed() {
-    noticed("load", &matching(), "equilibrium", |problem, _| {
-        problem.bodies[0].weight[1] = Amount::from(-1e-7);
+    noticed("load", &matching::<D>(), "equilibrium", |problem, _| {
+        problem.bodies[0].weight = constant(v(0.0, 0.0, -1e-7));
     });
-    noticed("support", &drawn(), "support", |problem, _| {
-        problem.bodies[0].supports[1] = moved(on("top"), 1, Amount::from(-1.001e-3));
+    noticed("support", &drawn::<D>(), "support", |problem, _| {
+        let down = constant(v(0.0, 0.0, -1.001e-3));
+        problem.bodies[0].supports[0] = driven(on("top"), down);
     });
-}
-
-/// Moves the first body rigidly.
-fn lifted(answer: &mut Answer, by: [f64; 2]) {
-    last(answer).displacements[0]
-        .iter_mut()
-        .for_each(|u| *u = plus(*u, 1.0, by));
-}
-
-#[test]
-fn a_lifted_or_sunken_body_is_noticed() {
-    noticed("lifted", &matching(), "open force", |_, answer| {
-        lifted(answer, [0.0, 1e-7])
-    });
-    noticed("sunken", &matching(), "penetration", |_, answer| {
-        lifted(answer, [0.0, -1e-7])
-    });
-    noticed(
-        "lifted on other nodes",
-        &paired(),
-        "open force",
-        |_, answer| {
-            lifted(answer, [0.0, 1e-3]);
-        },
-    );
-    noticed(
-        "sunken on other nodes",
-        &paired(),
-        "overlap",
-        |_, answer| {
-            lifted(answer, [0.0, -1e-3]);
-        },
-    );
-    noticed("torn", &glued(true), "jump", |_, answer| {
-        last(answer).displacements[1]
-            .iter_mut()
-            .for_each(|u| u[0] += 1e-7);
-    });
-    noticed("torn on other nodes", &glued(false), "jump", |_, answer| {
-        last(answer).displacements[1]
-            .iter_mut()
-            .for_each(|u| u[0] += 1e-3);
+    noticed("roller", &matching::<D>(), "support", |problem, _| {
+        let supports = &mut problem.bodies[1].supports;
+        supports.push(roller("left", Amount::from(1e-6)));
     });
 }
 
 #[test]
-fn a_moved_obstacle_is_noticed() {
-    let move_plane = |problem: &mut Problem, by: f64| {
-        if let Against::Obstacle {
-            surface: Surface::Plane { point, .. },
-            ..
-        } = &mut problem.contacts[0].against
-        {
-            point[1] += by;
-        }
-    };
-    noticed("raised", &drawn(), "penetration", |problem, _| {
-        move_plane(problem, 1e-8)
-    });
-    noticed("lowered", &drawn(), "open force", |problem, _| {
-        move_plane(problem, -1e-8)
-    });
-    noticed(
-        "second obstacle",
-        &drawn(),
-        "penetration",
-        |problem, answer| {
-            // an obstacle that is missing in the answer: its rows are all open
-            let mut higher = problem.contacts[0].clone();
-            if let Against::Obstacle {
-                surface: Surface::Plane { point, .. },
-                ..
-            } = &mut higher.against
-            {
-                point[1] = 1e-6;
-            }
-            problem.contacts.push(higher);
-            for step in &mut answer.steps {
-                let mut open = step.contacts[0].clone();
-                for row in &mut open.rows {
-                    (row.pressure, row.shear, row.gap, row.status) =
-                        (0.0, [0.0; 2], 1.0, Status::Open);
-                }
-                step.contacts.push(open);
-            }
-        },
-    );
-    noticed("moved along", &drawn(), "stuck slip", |problem, _| {
-        if let Against::Obstacle { drive, .. } = &mut problem.contacts[0].against {
-            *drive =
-                Drive::Displacement([Amount::timed(1e-5, Time::Line(0.0, 1.0)), Amount::default()]);
-        }
-    });
+fn forces_and_supports_that_are_wrong_are_noticed() {
+    wrong_inside::<2>();
+    wrong_inside::<3>();
 }
 
-#[test]
-fn dropped_and_changed_rows_are_noticed() {
-    noticed("dropped", &drawn(), "row force", |_, answer| {
-        last(answer).contacts[0].rows[3].pressure = 0.0;
-    });
-    noticed("shear flipped", &drawn(), "row force", |_, answer| {
-        let row = &mut last(answer).contacts[0].rows[3];
-        row.shear = times(-1.0, row.shear);
-    });
-    noticed(
-        "dropped on other nodes",
-        &paired(),
-        "row sum",
-        |_, answer| {
-            last(answer).contacts[0].rows[3].pressure = 0.0;
-        },
-    );
-    noticed("pulling", &drawn(), "tension", |_, answer| {
-        last(answer).contacts[0].rows[3].pressure *= -1.0;
-    });
-    noticed("weight", &drawn(), "weight", |_, answer| {
-        let row = &mut last(answer).contacts[0].rows[3];
-        (row.weight, row.pressure) = (row.weight * 1.01, row.pressure / 1.01);
-    });
-    noticed(
-        "weights on other nodes",
-        &paired(),
-        "weight",
-        |_, answer| {
-            last(answer).contacts[0].rows[3].weight *= 1.05;
-        },
-    );
-    for (name, problem) in [
-        ("disc", disc(true)),
-        ("disc on a plane", disc(false)),
-        ("flat", matching()),
-    ] {
-        noticed(name, &problem, "normal", |_, answer| {
-            for row in &mut answer.steps[0].contacts[0].rows {
-                row.normal = rotated(row.normal, 0.5);
-            }
+/// Moves the obstacle upwards.
+fn raise<const D: usize>(problem: &mut Problem<D>, by: f64) {
+    let contact = problem.contacts.last_mut().unwrap();
+    if let Against::Obstacle {
+        surface: Surface::Plane { point, .. },
+        ..
+    } = &mut contact.against
+    {
+        *point = plus(*point, 1.0, v(0.0, 0.0, by));
+    }
+}
+
+fn elsewhere<const D: usize>()
+where
+    Problem<D>: Dimension<D>,
+{
+    let far = if D == 2 { 1e-3 } else { 2e-3 };
+    let cases: [(Problem<D>, f64, &str); 5] = [
+        (matching(), 1e-7, "open force"),
+        (matching(), -1e-7, "penetration"),
+        (paired(), far, "open force"),
+        (paired(), -far, "overlap"),
+        (paired(), 1e-6, "work"),
+    ];
+    for (k, (problem, by, what)) in cases.iter().enumerate() {
+        noticed(&format!("lifted {k}"), problem, what, |_, answer| {
+            shift(answer, 0, v(0.0, 0.0, *by));
         });
     }
-    noticed("uneven", &matching(), "pressure", |problem, _| {
+    let far = if D == 2 { 1e-3 } else { 1e-2 };
+    for (name, matching, by) in [("torn", true, 1e-7), ("torn off", false, far)] {
+        noticed(name, &glued::<D>(matching), "jump", |_, answer| {
+            shift(answer, 1, v(by, by, 0.0));
+        });
+    }
+    noticed("raised", &drawn::<D>(), "penetration", |problem, _| {
+        raise(problem, 1e-8);
+    });
+    noticed("lowered", &drawn::<D>(), "open force", |problem, _| {
+        raise(problem, -1e-8);
+    });
+    noticed("second", &drawn::<D>(), "penetration", |problem, answer| {
+        // an obstacle that is missing in the answer: its rows are all open
+        problem.contacts.push(problem.contacts[0].clone());
+        raise(problem, 1e-6);
+        for step in &mut answer.steps {
+            let mut open = step.contacts[0].clone();
+            for row in &mut open.rows {
+                (row.pressure, row.shear) = (0.0, [0.0; D]);
+                (row.gap, row.status) = (1.0, Status::Open);
+            }
+            step.contacts.push(open);
+        }
+    });
+    noticed("moved along", &drawn::<D>(), "stuck slip", |problem, _| {
+        if let Against::Obstacle { drive, .. } = &mut problem.contacts[0].against {
+            let mut field: Field<D> = constant([0.0; D]);
+            field[0] = Amount::timed(1e-5, Time::Line(0.0, 1.0));
+            *drive = Drive::Displacement(field);
+        }
+    });
+}
+
+#[test]
+fn bodies_and_obstacles_that_lie_elsewhere_are_noticed() {
+    elsewhere::<2>();
+    elsewhere::<3>();
+    noticed("round", &round(), "overlap", |_, answer| {
+        shift(answer, 0, [0.0, 0.0, -5e-1]);
+    });
+}
+
+/// A shear in another direction: backwards, or in space across.
+fn astray<const D: usize>(row: &mut Row<D>) {
+    row.shear = match D {
+        2 => times(-1.0, row.shear),
+        _ => lowered(cross(row.normal, row.shear)),
+    };
+}
+
+/// A case of [`rows`]: a problem, the check that notices, and the change of a row.
+type Spoiled<const D: usize> = (Problem<D>, &'static str, fn(&mut Row<D>));
+
+fn rows<const D: usize>()
+where
+    Problem<D>: Dimension<D>,
+{
+    let all: [Spoiled<D>; 12] = [
+        (drawn(), "row force", |row| row.pressure *= 1.001),
+        (drawn(), "row force", astray),
+        (drawn(), "tension", |row| row.pressure *= -1.0),
+        (drawn(), "gap", |row| row.gap += 1e-8),
+        (drawn(), "slip", |row| {
+            row.slip = plus(row.slip, 1e-8, tangents(row.normal)[0]);
+        }),
+        (drawn(), "penetration", |row| row.gap -= 1e-8),
+        (drawn(), "shear sign", astray),
+        (drawn(), "weight", |row| {
+            (row.weight, row.pressure) = (1.01 * row.weight, row.pressure / 1.01);
+        }),
+        (paired(), "row sum", |row| row.pressure *= 1.01),
+        (paired(), "row sum", astray),
+        (paired(), "work", |row| row.gap += 1e-5),
+        (paired(), "weight", |row| row.weight *= 1.1),
+    ];
+    for (k, (problem, what, spoil)) in all.iter().enumerate() {
+        noticed(&format!("rows {k}"), problem, what, |_, answer| {
+            last(answer).contacts[0].rows.iter_mut().for_each(spoil);
+        });
+    }
+    let one: [Spoiled<D>; 7] = [
+        (drawn(), "row force", |row| row.pressure = 0.0),
+        (drawn(), "row force", |row| {
+            row.shear = times(-1.0, row.shear)
+        }),
+        (drawn(), "tension", |row| row.pressure *= -1.0),
+        (drawn(), "gap", |row| row.gap += 1e-8),
+        (drawn(), "weight", |row| {
+            (row.weight, row.pressure) = (1.01 * row.weight, row.pressure / 1.01);
+        }),
+        (paired(), "row sum", |row| row.pressure = 0.0),
+        (paired(), "weight", |row| row.weight *= 1.05),
+    ];
+    for (k, (problem, what, spoil)) in one.iter().enumerate() {
+        noticed(&format!("row {k}"), problem, what, |_, answer| {
+            spoil(&mut last(answer).contacts[0].rows[3]);
+        });
+    }
+    noticed("uneven", &matching::<D>(), "pressure", |problem, _| {
         problem.uniform = Some(Amount::from(1e-3));
     });
 }
 
-/// Wrong laws, shears and slips are noticed.
 #[test]
-fn friction_is_judged_by_its_law() {
-    noticed("bound", &drawn(), "shear", |problem, _| {
-        problem.contacts[0].law = Law::Coulomb(Amount::from(0.27));
+fn rows_that_say_something_else_are_noticed() {
+    rows::<2>();
+    rows::<3>();
+}
+
+fn normals<const D: usize>(problems: &[Problem<D>])
+where
+    Problem<D>: Dimension<D>,
+{
+    for (k, problem) in problems.iter().enumerate() {
+        noticed(&format!("normal {k}"), problem, "normal", |_, answer| {
+            for row in &mut answer.steps[0].contacts[0].rows {
+                row.normal = match D {
+                    2 => plus(times(0.88, row.normal), 0.48, tangents(row.normal)[0]),
+                    _ => times(-1.0, row.normal),
+                };
+            }
+        });
+    }
+}
+
+#[test]
+fn normals_of_rows_that_look_elsewhere_are_noticed() {
+    normals(&[disc(true), disc(false), matching(), drawn(), paired()]);
+    normals(&[round(), matching(), drawn(), paired()]);
+}
+
+fn friction<const D: usize>()
+where
+    Problem<D>: Dimension<D>,
+{
+    noticed("bound", &drawn::<D>(), "shear", |problem, _| {
+        problem.contacts[0].law = Law::rubbing(0.27);
     });
-    noticed("stuck", &drawn(), "stuck slip", |_, answer| {
-        // another history: what stuck now slipped in this step
+    noticed("smooth", &drawn::<D>(), "shear", |problem, _| {
+        problem.contacts[0].law = Law::Frictionless;
+    });
+    // another history: stuck nodes have slipped in this step, slipping nodes went the other way
+    noticed("stuck", &drawn::<D>(), "stuck slip", |_, answer| {
         let before = &mut answer.steps[1].displacements[0];
         before.iter_mut().for_each(|u| u[0] += 1e-6);
     });
-    noticed("backwards", &drawn(), "shear sign", |_, answer| {
+    noticed("backwards", &drawn::<D>(), "shear sign", |_, answer| {
         let before = &mut answer.steps[1].displacements[0];
         before.iter_mut().for_each(|u| u[0] *= 3.0);
     });
+    noticed("told stuck", &drawn::<D>(), "stuck slip", |_, answer| {
+        for row in &mut answer.steps[1].contacts[0].rows {
+            row.slip[0] += 1e-6;
+        }
+    });
     noticed(
-        "backwards on other nodes",
-        &paired(),
-        "stuck slip",
+        "told backwards",
+        &drawn::<D>(),
+        "shear sign",
         |_, answer| {
-            lifted(answer, [-1e-3, 0.0]);
+            for row in &mut answer.steps[1].contacts[0].rows {
+                row.slip = times(5.0, row.slip);
+            }
         },
     );
-    noticed("smooth", &drawn(), "shear", |problem, _| {
-        problem.contacts[0].law = Law::Frictionless;
+    let far = if D == 2 { -1e-3 } else { -1e-2 };
+    noticed("dragged", &paired::<D>(), "stuck slip", |_, answer| {
+        shift(answer, 0, v(far, 0.0, 0.0));
     });
 }
 
 #[test]
-fn sides_that_feel_different_forces_are_noticed() {
-    noticed("react", &paired(), "act and react", |_, answer| {
-        last(answer).displacements[1]
-            .iter_mut()
-            .for_each(|u| *u = times(1.001, *u));
+fn friction_is_judged_by_its_law() {
+    friction::<2>();
+    friction::<3>();
+}
+
+fn resultants<const D: usize>()
+where
+    Problem<D>: Dimension<D>,
+{
+    let up = D - 1;
+    noticed("react", &paired::<D>(), "act and react", |_, answer| {
+        let moves = &mut last(answer).displacements[1];
+        moves.iter_mut().for_each(|u| *u = times(1.001, *u));
     });
-    noticed("stamp", &stamp(), "obstacle", |problem, _| {
+    noticed("force", &paired::<D>(), "resultant", |_, answer| {
+        last(answer).contacts[0].resultant[up] *= 1.001;
+    });
+    noticed("moment", &paired::<D>(), "resultant", |_, answer| {
+        let moment = &mut last(answer).contacts[0].moment;
+        *moment = times(1.001, *moment);
+    });
+    noticed("reaction", &paired::<D>(), "reaction", |_, answer| {
+        last(answer).reactions[1][up] *= 1.001;
+    });
+    noticed("stamp", &stamp::<D>(), "obstacle", |problem, _| {
         if let Against::Obstacle { drive, .. } = &mut problem.contacts[0].against {
-            *drive = Drive::Force([Amount::from(0.0), Amount::from(1.001e-3)]);
+            *drive = Drive::Force(constant(v(0.0, 0.0, 1.001e-3)));
         }
     });
+}
+
+#[test]
+fn resultants_are_compared() {
+    resultants::<2>();
+    resultants::<3>();
+}
+
+/// Replaces the answer by that with glued sides, whose rows say that they touch.
+fn as_glued<const D: usize>(problem: &Problem<D>, answer: &mut Answer<D>, name: &str)
+where
+    Problem<D>: Dimension<D>,
+{
+    let mut tied = problem.clone();
+    tied.contacts[0].law = Law::Tied;
+    *answer = self::answer(&tied, name);
+    for row in &mut answer.steps[0].contacts[0].rows {
+        (row.status, row.pressure) = (Status::Closed, row.pressure.max(0.0));
+    }
+}
+
+fn nothing_faces<const D: usize>()
+where
+    Problem<D>: Dimension<D>,
+{
+    for what in ["footprint", "outside"] {
+        // half of the floor is missing: the resultant of the block lies in the middle
+        noticed(what, &paired::<D>(), what, |_, answer| {
+            let mesh = &mut answer.meshes[1];
+            let points = mesh.points.clone();
+            let top = mesh.sides.get_mut("top").unwrap();
+            top.retain(|facet| facet.iter().all(|&n| points[n][0] < 0.6));
+        });
+    }
+    // the load tips the block: any forces that hold it must pull somewhere
+    noticed(
+        "tipping",
+        &matching::<D>(),
+        "footprint",
+        |problem, answer| {
+            let block = &mut problem.bodies[0];
+            block.supports.clear();
+            block.loads.clear();
+            for (along, up) in [(0.0, 1e-3), (2.0, -2e-3)] {
+                block.loads.push(Load::Force {
+                    point: v(along, 0.0, 1.0),
+                    field: constant(v(0.0, 0.0, up)),
+                });
+            }
+            as_glued(problem, answer, "tipping glued");
+        },
+    );
 }
 
 #[test]
 fn forces_from_where_nothing_faces_are_noticed() {
-    let cut = |answer: &mut Answer, keep: fn(f64) -> bool| {
-        let mesh = &mut answer.meshes[1];
-        let points = mesh.points.clone();
-        let top = mesh.sides.get_mut("top").unwrap();
-        top.retain(|facet| facet.iter().all(|&n| keep(points[n][0])));
-    };
-    // half of the floor is missing: the resultant of the block lies in the middle
-    noticed("footprint", &paired(), "footprint", move |_, answer| {
-        cut(answer, |x| x < 0.6)
-    });
-    noticed("outside", &paired(), "outside", move |_, answer| {
-        cut(answer, |x| x < 0.6)
-    });
-    // the load tips the block: any forces that hold it must pull somewhere
-    noticed("tipping", &matching(), "footprint", |problem, answer| {
-        let [a, b] = [[0.0, 1.0], [2.0, 1.0]].map(|x| node(answer, x));
-        let force = |x, y| Load::Force {
-            point: x,
-            field: [Amount::default(), Amount::from(y)],
-        };
-        problem.bodies[0].supports.clear();
-        problem.bodies[0].loads.clear();
-        problem.bodies[0].loads.push(force([0.0, 1.0], 1e-3));
-        problem.bodies[0].loads.push(force([2.0, 1.0], -2e-3));
-        // displacements that no contact could cause, but the forces of a glued sole
-        let mut tied = problem.clone();
-        tied.contacts[0].law = Law::Tied;
-        *answer = self::answer(&tied, "tipping glued");
-        debug_assert!(a != b);
-        for row in &mut answer.steps[0].contacts[0].rows {
-            row.status = Status::Closed;
-            row.pressure = row.pressure.max(0.0);
-        }
+    nothing_faces::<2>();
+    nothing_faces::<3>();
+    // a couple about the normal that only a tie can bear
+    noticed("spun", &matching::<3>(), "footprint", |problem, answer| {
+        let swirl = |slope| Amount::new(0.0, slope, Time::Always);
+        let field = [
+            swirl([0.0, 1e-3, 0.0]),
+            swirl([-1e-3, 0.0, 0.0]),
+            Amount::from(-1e-4),
+        ];
+        problem.bodies[0].pull("top", field);
+        as_glued(problem, answer, "spun glued");
     });
 }
 
-#[test]
-fn the_force_at_a_corner_must_be_one_that_its_contacts_allow() {
-    let lose = |answer: &mut Answer| {
-        let corner = node(answer, [0.0, 0.0]);
-        for contact in &mut last(answer).contacts {
-            for row in contact.rows.iter_mut().filter(|r| r.node == corner) {
-                (row.pressure, row.shear, row.status) = (f64::NAN, [f64::NAN; 2], Status::Fixed);
-            }
+/// Nodes of the block at the edge of the corner lose their rows.
+fn lose<const D: usize>(answer: &mut Answer<D>) {
+    let points = answer.meshes[0].points.clone();
+    for row in last(answer).contacts.iter_mut().flat_map(|c| &mut c.rows) {
+        let x = points[row.node];
+        if x[0] == 0.0 && x[D - 1] == 0.0 {
+            (row.pressure, row.shear) = (f64::NAN, [f64::NAN; D]);
+            row.status = Status::Fixed;
         }
-    };
+    }
+}
+
+fn missing<const D: usize>()
+where
+    Problem<D>: Dimension<D>,
+{
     // without its rows the corner is still right
-    let right = corner();
+    let right = corner::<D>();
     let mut whole = answer(&right, "corner");
     lose(&mut whole);
     assert_eq!(found(&right, &whole), Vec::<&str>::new());
-    noticed("corner pulls", &right, "corner", move |problem, answer| {
+    noticed("corner pulls", &right, "corner", |problem, answer| {
         lose(answer);
         // a force outwards at the corner that nothing can hold
         problem.bodies[0].loads.push(Load::Force {
-            point: [0.0, 0.0],
-            field: [Amount::from(1e-3), Amount::from(1e-3)],
+            point: [0.0; D],
+            field: constant(v(1e-3, 0.0, 1e-3)),
         });
     });
-    noticed("corner open", &right, "corner", move |problem, answer| {
+    noticed("corner open", &right, "corner", |problem, answer| {
         lose(answer);
         // the wall is not there
         if let Against::Obstacle {
@@ -527,73 +654,50 @@ fn the_force_at_a_corner_must_be_one_that_its_contacts_allow() {
             ..
         } = &mut problem.contacts[1].against
         {
-            *point = minus(*point, [1e-6, 0.0]);
+            *point = minus(*point, times(1e-6, axes()[0]));
         }
     });
 }
 
-/// Every kind of twin of a right answer agrees with it, and one under another load does not.
 #[test]
-fn twins_agree_and_strangers_do_not() {
-    let problem = matching();
+fn the_force_at_a_corner_must_be_one_that_its_contacts_allow() {
+    missing::<2>();
+    missing::<3>();
+}
+
+/// Twins of a right answer agree with it, and one under another load does not.
+fn twins_agree<const D: usize>(kinds: usize)
+where
+    Problem<D>: Dimension<D>,
+{
+    let problem = matching::<D>();
     let mine = answer(&problem, "twins");
-    let folder = Folder::new("mutations-twins-asked").unwrap();
     let mut seen = std::collections::BTreeSet::new();
     for seed in 0..60 {
-        let mut random = crate::random::Random::new(seed);
-        for mut twin in crate::twins::twins(&problem, &mine, &mut random) {
+        for mut twin in problem.twins(&mine, &mut Random::new(seed)) {
             if !seen.insert(twin.name) {
                 continue;
             }
-            let ask = |twin: &Problem| match solve(twin, &folder, 60.0) {
-                Outcome::Certified(other) => other,
-                other => panic!("{other:?}"),
-            };
-            let other = ask(&twin.problem);
-            assert_eq!(
-                found(&twin.problem, &other),
-                Vec::<&str>::new(),
-                "{}",
-                twin.name
-            );
-            let off = crate::twin::difference(&problem, &mine, &twin, &other).unwrap();
-            assert!(off < 1e-9, "{}: {off}", twin.name);
+            let name = twin.name;
+            let other = answer(&twin.problem, &format!("twin {name}"));
+            assert_eq!(found(&twin.problem, &other), Vec::<&str>::new(), "{name}");
+            assert!(difference(&problem, &mine, &twin, &other).unwrap() < 1e-9);
             for load in twin.problem.bodies.iter_mut().flat_map(|b| &mut b.loads) {
-                if let Load::Traction { field, .. } = load {
-                    *field = [field[0].times(1.001), field[1].times(1.001)];
+                if let Load::Pressure { field, .. } = load {
+                    *field = field.times(1.001);
                 }
             }
-            let other = ask(&twin.problem);
-            let off = crate::twin::difference(&problem, &mine, &twin, &other).unwrap();
-            assert!(off > 1e-4, "{}: {off}", twin.name);
+            let other = answer(&twin.problem, &format!("stranger {name}"));
+            assert!(difference(&problem, &mine, &twin, &other).unwrap() > 1e-4);
         }
     }
-    assert_eq!(seen.len(), 5, "{seen:?}");
+    assert_eq!(seen.len(), kinds, "{seen:?}");
 }
 
 #[test]
-fn wrong_columns_and_sums_are_noticed() {
-    noticed("gap", &drawn(), "gap", |_, answer| {
-        last(answer).contacts[0].rows[2].gap += 1e-8
-    });
-    noticed("slip", &drawn(), "slip", |_, answer| {
-        let row = &mut last(answer).contacts[0].rows[2];
-        row.slip = plus(row.slip, 1e-8, turned(row.normal));
-    });
-    noticed("resultant", &paired(), "resultant", |_, answer| {
-        last(answer).contacts[0].resultant[1] *= 1.001;
-    });
-    noticed("reaction", &paired(), "reaction", |_, answer| {
-        last(answer).reactions[1][1] *= 1.001;
-    });
-    noticed("roller", &matching(), "support", |problem, _| {
-        problem.bodies[1].supports.push(Support {
-            place: on("left"),
-            axes: [None, None],
-            normal: Some(Amount::from(1e-6)),
-            from: None,
-        });
-    });
+fn twins_agree_and_strangers_do_not() {
+    twins_agree::<2>(5);
+    twins_agree::<3>(2);
 }
 
 /// A problem of a family by name.
@@ -610,7 +714,7 @@ fn a_body_that_stands_in_one_that_nobody_named_is_noticed() {
         // the floor rises into post and slider
         let points = answer.meshes.iter().flat_map(|mesh| &mesh.points);
         let high = points.fold(0.0, |s: f64, x| s.max(x[1]));
-        lifted(answer, [0.0, 0.5 * high]);
+        shift(answer, 0, [0.0, 0.5 * high]);
     });
 }
 
@@ -631,7 +735,7 @@ fn another_bed_bar_or_material_is_noticed() {
     let has_yielded = has_yielded.into_iter().find(|problem| {
         let answer = answer(problem, "yielding");
         let bar = problem.bodies[1].more.bar.as_ref().unwrap();
-        let node = crate::elastic::nearest(&answer.meshes[1], bar.at);
+        let node = answer.meshes[1].nearest(bar.at);
         let ways = answer.steps.iter().map(|s| s.displacements[1][node][0]);
         Some(bar.tension(ways).abs()) == bar.gives.as_ref().unwrap().most
     });
@@ -678,7 +782,7 @@ fn ground_that_moves_at_rest_or_presses_otherwise_is_noticed() {
         let stress = problem.bodies[0].more.initial.as_ref().unwrap()[1].at([0.0; 2], 1.0);
         let young = problem.bodies[0].young;
         let high = answer.meshes[0].points[0][1].abs();
-        lifted(answer, [0.0, 1e-4 * stress / young * high]);
+        shift(answer, 0, [0.0, 1e-4 * stress / young * high]);
     });
     noticed("ground", &at_rest, "pressure", |_, answer| {
         last(answer).contacts[0].rows[0].pressure *= 1.01;
@@ -688,7 +792,7 @@ fn ground_that_moves_at_rest_or_presses_otherwise_is_noticed() {
 #[test]
 fn a_joint_that_bears_more_than_its_strength_is_noticed() {
     let strong = (0..).map(|seed| family("joint", seed)).find(|problem| {
-        let all = |row: &crate::raw::Row| -row.pressure;
+        let all = |row: &Row<2>| -row.pressure;
         let folder = Folder::new("mutations-joint").unwrap();
         let Outcome::Certified(answer) = solve(problem, &folder, 60.0) else {
             return false;

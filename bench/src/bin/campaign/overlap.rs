@@ -16,10 +16,12 @@
 //! Bodies whose undeformed outlines meet in a point, and along no line, have no sides there for a contact: points nearer than ten
 //! motions to such a point are not checked, where facets are longer than that.
 
-use crate::check::{Limits, View};
+use crate::cells::Kind;
+use crate::check::{Limits, View, place};
 use crate::judgement::Judgement;
-use crate::plane::{Vector, bounds, cross, dot, length, minus, plus, times};
+use crate::plane::{Vector, cross};
 use crate::raw::{Answer, Mesh};
+use crate::vector::{bounds, dot, length, minus, plus, times};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Pieces of a facet with a middle node.
@@ -47,8 +49,7 @@ impl Outline {
     pub fn new(mesh: &Mesh) -> Self {
         let mut found: BTreeMap<Vec<usize>, (usize, Vec<usize>)> = BTreeMap::new();
         for (kind, nodes) in &mesh.cells {
-            for local in 0..if kind.triangle() { 3 } else { 4 } {
-                use crate::raw::Cell;
+            for local in 0..kind.facets().len() {
                 let facet: Vec<usize> = kind.facet(local).iter().map(|&i| nodes[i]).collect();
                 let mut key = facet.clone();
                 key.sort_unstable();
@@ -78,8 +79,11 @@ impl Outline {
                     last
                 } else {
                     let xi = -1.0 + 2.0 * k as f64 / count as f64;
-                    let (n, _) = crate::cells::along(facet.len(), xi);
-                    outline.points.push(facet.iter().copied().zip(n).collect());
+                    let shape = Kind::Line3.shape([xi, 0.0, 0.0]).into_iter();
+                    let values = shape.map(|(n, _)| n);
+                    outline
+                        .points
+                        .push(facet.iter().copied().zip(values).collect());
                     outline.points.len() - 1
                 };
                 outline.pieces.push(([before, next], index));
@@ -147,14 +151,11 @@ struct Named {
 }
 
 /// Judges the penetration of every body into every other.
-pub fn check_overlaps(judgement: &mut Judgement, view: &View<'_>, outlines: &[Outline]) {
+pub fn check_overlaps(judgement: &mut Judgement, view: &View<'_, 2>) {
     let Answer { meshes, .. } = view.answer;
-    let there: Vec<bool> = view
-        .problem
-        .bodies
-        .iter()
-        .map(|body| body.more.from.is_none_or(|from| view.step.time >= from))
-        .collect();
+    let outlines: Vec<Outline> = meshes.iter().map(Outline::new).collect();
+    let bodies = view.problem.bodies.iter();
+    let there: Vec<bool> = bodies.map(|body| body.there(view.step.time)).collect();
     let moves = &view.step.displacements;
     let places =
         |b: usize, moved: bool| outlines[b].places(&meshes[b], moved.then_some(&moves[b][..]));
@@ -207,12 +208,9 @@ pub fn check_overlaps(judgement: &mut Judgement, view: &View<'_>, outlines: &[Ou
                     || named.nodes.iter().any(beside);
                 let allowed = base + if in_contact { named.allowed } else { 0.0 };
                 judgement.compare("stands in", deep - before, allowed, || {
-                    let [x, y] = drawn[0][point];
-                    let names = [a, b].map(|b| &view.problem.bodies[b].name);
-                    format!(
-                        "{} in {} by {deep:.3e} at ({x:.6e}, {y:.6e})",
-                        names[0], names[1]
-                    )
+                    let at = place(drawn[0][point]);
+                    let [mine, theirs] = [a, b].map(|b| &view.problem.bodies[b].name);
+                    format!("{mine} in {theirs} by {deep:.3e} at {at}")
                 });
             }
         }
@@ -280,31 +278,27 @@ fn overlapping([a, b]: [Vector; 2], [c, d]: [Vector; 2]) -> bool {
 }
 
 /// The contacts between two bodies, for points of the first.
-fn named(view: &View<'_>, a: usize, b: usize) -> Named {
+fn named(view: &View<'_, 2>, a: usize, b: usize) -> Named {
     let mut all = Named::default();
     for (c, touch) in view.touches.iter().enumerate() {
-        let nodes = if touch.own == a && touch.other == Some(b) {
-            Some(&touch.curve)
-        } else if touch.own == b && touch.other == Some(a) {
-            touch.opposite.as_ref()
-        } else {
-            None
+        let other = if touch.own == a { b } else { a };
+        let both = touch.own == other || touch.other == Some(other);
+        let Some((_, own, _)) = view.sides(c).find(|(body, ..)| both && *body == a) else {
+            continue;
         };
-        let Some(curve) = nodes else { continue };
-        all.nodes.extend(curve.around.keys());
+        all.nodes.extend(own.around.keys());
         let limits = Limits::new(view, c, [0.0; 2]);
         let resolved = limits.coarse.into_iter().fold(0.0, f64::max);
-        let samples = touch.at_nodes.values().chain(&touch.between);
         // the difference of the gap in the meshes and the gap of the contact: given, or counted as closed
-        let lacking =
-            |sample| (touch.drawn(sample) - touch.clearance(sample, view.step.time)).abs();
-        let lacking = samples.map(lacking).fold(0.0, f64::max);
+        let lacking = touch.samples().map(|sample| {
+            let clearance = touch.clearance(sample, view.step.time);
+            (sample.distance - clearance).abs()
+        });
+        let lacking = lacking.fold(0.0, f64::max);
         // motion along a curve: the sagitta of the arc that was passed
-        let turn = touch
-            .curve
-            .turn
-            .max(touch.opposite.as_ref().map_or(0.0, |o| o.turn));
-        let bow = 2.0 * view.state.moves.powi(2) * turn / touch.curve.longest;
+        let turns = view.sides(c).map(|(_, skin, _)| skin.turn);
+        let turn = turns.fold(0.0, f64::max);
+        let bow = 2.0 * view.state.moves.powi(2) * turn / touch.skin.longest;
         let allowed = RESOLVED * resolved + bow + lacking;
         all.allowed = all.allowed.max(allowed);
     }
@@ -314,7 +308,6 @@ fn named(view: &View<'_>, a: usize, b: usize) -> Named {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cells::Kind;
 
     fn square(x: f64, y: f64) -> Mesh {
         Mesh {

@@ -1,6 +1,4 @@
-//! Points and vectors of the plane, and rigid motions.
-
-pub use crate::vector::{bounds, dot, length, minus, plus, times, unit};
+//! What vectors of the plane alone have: a product that is a number, and rotations by an angle.
 
 /// A point or vector.
 pub type Vector = [f64; 2];
@@ -28,7 +26,7 @@ pub fn rotation(angle: f64) -> [Vector; 2] {
 }
 
 /// Sine and cosine, exact at multiples of 90°.
-pub fn quarter_exact(angle: f64) -> (f64, f64) {
+fn quarter_exact(angle: f64) -> (f64, f64) {
     let quarters = angle / std::f64::consts::FRAC_PI_2;
     if (quarters - quarters.round()).abs() < 1e-12 {
         match (quarters.round() as i64).rem_euclid(4) {
@@ -39,54 +37,5 @@ pub fn quarter_exact(angle: f64) -> (f64, f64) {
         }
     } else {
         angle.sin_cos()
-    }
-}
-
-/// The rigid motion a + ω × (x − centre) that fits some displacements best (least squares): (centre, a, ω). With axial
-/// symmetry only a translation along y.
-pub fn fitted_motion(
-    points: &[Vector],
-    moves: &[Vector],
-    axisymmetric: bool,
-) -> (Vector, Vector, f64) {
-    let n = points.len().max(1) as f64;
-    let mean =
-        |list: &[Vector]| times(1.0 / n, list.iter().fold([0.0; 2], |s, &v| plus(s, 1.0, v)));
-    let (centre, shift) = (mean(points), mean(moves));
-    if axisymmetric {
-        return (centre, [0.0, shift[1]], 0.0);
-    }
-    let (mut turn, mut inertia) = (0.0, 0.0);
-    for (&x, &u) in points.iter().zip(moves) {
-        let arm = minus(x, centre);
-        turn += cross(arm, minus(u, shift));
-        inertia += dot(arm, arm);
-    }
-    (
-        centre,
-        shift,
-        if inertia > 0.0 { turn / inertia } else { 0.0 },
-    )
-}
-
-/// Displacements without the rigid motion that fits them best.
-pub fn without_motion(points: &[Vector], moves: &[Vector], axisymmetric: bool) -> Vec<Vector> {
-    let (centre, shift, turn) = fitted_motion(points, moves, axisymmetric);
-    let rest =
-        |(&x, &u): (&Vector, &Vector)| plus(minus(u, shift), -turn, turned(minus(x, centre)));
-    points.iter().zip(moves).map(rest).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rigid_motions_leave_nothing() {
-        let points = [[0.0, 0.0], [2.0, 0.5], [1.0, 3.0]];
-        let moves = points.map(|p| plus([0.3, -0.2], 0.01, turned(p)));
-        for rest in without_motion(&points, &moves, false) {
-            assert!(length(rest) < 1e-15);
-        }
     }
 }

@@ -1,13 +1,18 @@
-//! A contact problem as plain data, and its case file.
+//! A contact problem of the plane or of space as plain data.
 //!
-//! Generators write it; the checker reads loads, supports and contacts from it. Meshes are described here, not made: the
-//! checker takes points, cells and sides from the program's mesh.
+//! Generators write it; the checker reads loads, supports and contacts from it; [`case`](crate::case) makes a case file of it.
+//! Meshes are described here, not made: the checker takes points, cells and sides from the program's mesh.
 
 use crate::amount::Amount;
 use crate::cells::Kind;
-use crate::plane::Vector;
-use crate::raw::Cell;
-use std::fmt::Write;
+
+/// A vector that may depend on place and time.
+pub type Field<const D: usize = 2> = [Amount<D>; D];
+
+/// A field that is the same everywhere and always.
+pub fn constant<const D: usize>(v: [f64; D]) -> Field<D> {
+    v.map(Amount::from)
+}
 
 /// Kind of analysis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,6 +20,7 @@ pub enum Analysis {
     PlaneStrain,
     PlaneStress,
     Axisymmetric,
+    Space,
 }
 
 impl Analysis {
@@ -24,6 +30,7 @@ impl Analysis {
             Self::PlaneStrain => "plane-strain",
             Self::PlaneStress => "plane-stress",
             Self::Axisymmetric => "axisymmetric",
+            Self::Space => "3d",
         }
     }
 
@@ -37,25 +44,26 @@ impl Analysis {
 /// centre of an arc.
 #[derive(Debug, Clone)]
 pub struct Edge {
-    pub to: Vector,
+    pub to: [f64; 2],
     pub name: &'static str,
     /// Centre of an arc, counter-clockwise.
-    pub center: Option<Vector>,
+    pub center: Option<[f64; 2]>,
     /// Number of cells, else the size of the outline.
     pub cells: Option<usize>,
 }
 
 /// The description of a mesh.
 #[derive(Debug, Clone)]
-pub enum Shape {
-    Rectangle {
-        from: Vector,
-        to: Vector,
-        cells: [usize; 2],
+pub enum Shape<const D: usize = 2> {
+    /// A rectangle or a box; the diagonals of the cells of a rectangle have a pattern.
+    Block {
+        from: [f64; D],
+        to: [f64; D],
+        cells: [usize; D],
         diagonals: &'static str,
     },
     Ring {
-        center: Vector,
+        center: [f64; 2],
         radii: [f64; 2],
         angles: Option<[f64; 2]>,
         cells: [usize; 2],
@@ -64,15 +72,35 @@ pub enum Shape {
     /// Triangles inside a path.
     Outline {
         size: f64,
-        from: Vector,
+        from: [f64; 2],
         edges: Vec<Edge>,
     },
     /// Triangles inside a circle, whose side is "round".
     Disc {
         size: f64,
-        center: Vector,
+        center: [f64; 2],
         radius: f64,
         cells: Option<usize>,
+    },
+    Cylinder {
+        base: [f64; 3],
+        axis: [f64; 3],
+        radii: [f64; 2],
+        height: f64,
+        cells: [usize; 3],
+    },
+    Ball {
+        center: [f64; 3],
+        radius: f64,
+        cells: [usize; 2],
+    },
+    /// A polygon with the names of its edges, filled with triangles and carried along z.
+    Column {
+        corners: Vec<[f64; 2]>,
+        names: Vec<&'static str>,
+        size: f64,
+        height: f64,
+        layers: usize,
     },
     /// A Gmsh file of that name with this text.
     File { name: String, text: String },
@@ -82,92 +110,111 @@ pub enum Shape {
 
 /// The whole facets of a side in a box.
 #[derive(Debug, Clone)]
-pub struct Patch {
+pub struct Patch<const D: usize = 2> {
     pub name: String,
     pub of: &'static str,
-    pub low: Vector,
-    pub high: Vector,
+    pub low: [f64; D],
+    pub high: [f64; D],
 }
 
 /// The place of a support.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Place {
+pub enum Place<const D: usize = 2> {
     Side(String),
     /// The nearest node.
-    Point(Vector),
+    Point([f64; D]),
 }
 
 /// A support: prescribed components, or the displacement along the outward normal.
 #[derive(Debug, Clone)]
-pub struct Support {
-    pub place: Place,
-    pub axes: [Option<Amount>; 2],
-    pub normal: Option<Amount>,
+pub struct Support<const D: usize = 2> {
+    pub place: Place<D>,
+    pub axes: [Option<Amount<D>>; D],
+    pub normal: Option<Amount<D>>,
     /// The support begins in the first step at or after this time, and holds the nodes where they are.
     pub from: Option<f64>,
 }
 
 /// An external load.
 #[derive(Debug, Clone)]
-pub enum Load {
+pub enum Load<const D: usize = 2> {
     Traction {
         side: String,
-        field: [Amount; 2],
+        field: Field<D>,
     },
     Pressure {
         side: String,
-        field: Amount,
+        field: Amount<D>,
     },
     Force {
-        point: Vector,
-        field: [Amount; 2],
+        point: [f64; D],
+        field: Field<D>,
     },
     /// The traction of the initial stress times a factor of time.
     InSitu {
         side: String,
-        factor: Amount,
+        factor: Amount<D>,
     },
 }
 
-/// A true circle behind a side.
-#[derive(Debug, Clone)]
-pub struct Circle {
-    pub side: String,
-    pub center: Vector,
-    pub radius: f64,
+impl<const D: usize> Load<D> {
+    /// The side that it acts on.
+    pub fn side(&self) -> Option<&str> {
+        match self {
+            Self::Traction { side, .. } | Self::Pressure { side, .. } => Some(side),
+            Self::InSitu { side, .. } => Some(side),
+            Self::Force { .. } => None,
+        }
+    }
 }
 
 /// One body.
 #[derive(Debug, Clone)]
-pub struct Body {
+pub struct Body<const D: usize = 2> {
     pub name: String,
-    pub shape: Shape,
+    pub shape: Shape<D>,
     pub kind: Kind,
-    pub patches: Vec<Patch>,
+    pub patches: Vec<Patch<D>>,
     pub young: f64,
     pub poisson: f64,
+    /// One in space.
     pub thickness: f64,
-    pub supports: Vec<Support>,
-    pub loads: Vec<Load>,
-    pub weight: [Amount; 2],
-    pub circles: Vec<Circle>,
-    pub more: More,
+    pub supports: Vec<Support<D>>,
+    pub loads: Vec<Load<D>>,
+    pub weight: Field<D>,
+    /// True surfaces behind sides.
+    pub surfaces: Vec<(String, Surface<D>)>,
+    pub more: More<D>,
 }
 
 /// Further properties, which few bodies have.
-#[derive(Debug, Clone, Default)]
-pub struct More {
+#[derive(Debug, Clone)]
+pub struct More<const D: usize = 2> {
     pub springs: Vec<Spring>,
     /// Initial stress σxx, σyy, σzz, σxy, tension positive.
-    pub initial: Option<[Amount; 4]>,
+    pub initial: Option<[Amount<D>; 4]>,
     /// The second material beyond the border; the group is that of the shape.
     pub beyond: Option<Beyond>,
     /// The body appears in the first step at or after this time.
     pub from: Option<f64>,
-    pub couple: Option<Couple>,
-    pub bar: Option<Bar>,
+    pub couple: Option<Couple<D>>,
+    pub bar: Option<Bar<D>>,
     /// Plasticity.
     pub metal: Option<Metal>,
+}
+
+impl<const D: usize> Default for More<D> {
+    fn default() -> Self {
+        Self {
+            springs: Vec::new(),
+            initial: None,
+            beyond: None,
+            from: None,
+            couple: None,
+            bar: None,
+            metal: None,
+        }
+    }
 }
 
 /// The stress at which metal yields, and the slope of its hardening.
@@ -180,10 +227,10 @@ pub struct Metal {
 /// A side that the case file couples to a point, which takes over its supports or its uniform tractions: a rigid side held by the
 /// point, or the mean of the side, which bears the point's force. The checker treats both like the side without the couple.
 #[derive(Debug, Clone)]
-pub struct Couple {
+pub struct Couple<const D: usize = 2> {
     pub side: String,
     /// The middle of the side.
-    pub point: Vector,
+    pub point: [f64; D],
     /// Its area.
     pub area: f64,
     pub rigid: bool,
@@ -191,10 +238,10 @@ pub struct Couple {
 
 /// A spring along x at a node; or a bar from there to a node of another body that is held.
 #[derive(Debug, Clone)]
-pub struct Bar {
-    pub at: Vector,
+pub struct Bar<const D: usize = 2> {
+    pub at: [f64; D],
     pub stiffness: f64,
-    pub to: Option<(String, Vector)>,
+    pub to: Option<(String, [f64; D])>,
     pub gives: Option<Gives>,
 }
 
@@ -207,7 +254,7 @@ pub struct Gives {
     pub most: Option<f64>,
 }
 
-impl Bar {
+impl<const D: usize> Bar<D> {
     /// Its tension after these displacements of its node along x in turn: elongation beyond its strength is plastic, slackening is
     /// not.
     pub fn tension(&self, ways: impl Iterator<Item = f64>) -> f64 {
@@ -245,10 +292,45 @@ pub struct Spring {
     pub compression_only: bool,
 }
 
-impl Body {
+impl<const D: usize> Body<D> {
+    /// A body of a material, without supports and loads.
+    pub fn new(name: &str, shape: Shape<D>, kind: Kind, [young, poisson]: [f64; 2]) -> Self {
+        Self {
+            name: name.to_string(),
+            shape,
+            kind,
+            patches: Vec::new(),
+            young,
+            poisson,
+            thickness: 1.0,
+            supports: Vec::new(),
+            loads: Vec::new(),
+            weight: std::array::from_fn(|_| Amount::default()),
+            surfaces: Vec::new(),
+            more: More::default(),
+        }
+    }
+
     /// E/(1 − ν²).
     pub fn plane_modulus(&self) -> f64 {
         self.young / (1.0 - self.poisson * self.poisson)
+    }
+
+    /// It has appeared.
+    pub fn there(&self, t: f64) -> bool {
+        self.more.from.is_none_or(|from| t >= from)
+    }
+
+    /// A traction on a side.
+    pub fn pull(&mut self, side: &str, field: Field<D>) {
+        let side = side.to_string();
+        self.loads.push(Load::Traction { side, field });
+    }
+
+    /// A pressure on a side.
+    pub fn press(&mut self, side: &str, field: Amount<D>) {
+        let side = side.to_string();
+        self.loads.push(Load::Pressure { side, field });
     }
 }
 
@@ -267,39 +349,54 @@ pub fn side(body: &str, side: &str) -> Side {
     }
 }
 
-/// The surface of a rigid obstacle.
+/// A surface: that of a rigid obstacle, or the true one behind a side.
 #[derive(Debug, Clone)]
-pub enum Surface {
+pub enum Surface<const D: usize = 2> {
     /// Distance along the contact normal.
-    Gap(Amount),
+    Gap(Amount<D>),
     /// The normal has length one and points towards the body.
-    Plane { point: Vector, normal: Vector },
-    Circle {
-        center: Vector,
+    Plane { point: [f64; D], normal: [f64; D] },
+    /// A circle or a sphere; `inside` is where the body of an obstacle is.
+    Round {
+        center: [f64; D],
+        radius: f64,
+        inside: bool,
+    },
+    /// The axis has length one.
+    Cylinder {
+        point: [f64; D],
+        axis: [f64; D],
         radius: f64,
         inside: bool,
     },
 }
 
+/// The true circle or sphere behind a side.
+pub fn round<const D: usize>(side: &str, center: [f64; D], radius: f64) -> (String, Surface<D>) {
+    let surface = Surface::Round {
+        center,
+        radius,
+        inside: false,
+    };
+    (side.to_string(), surface)
+}
+
 /// The drive of an obstacle.
 #[derive(Debug, Clone)]
-pub enum Drive {
+pub enum Drive<const D: usize = 2> {
     Nothing,
-    Displacement([Amount; 2]),
-    Force([Amount; 2]),
+    Displacement(Field<D>),
+    Force(Field<D>),
 }
 
 /// The counterpart of a side in a contact.
 #[derive(Debug, Clone)]
-pub enum Against {
+pub enum Against<const D: usize = 2> {
     /// The other side; named `nonmortar` and `mortar`, or only `sides`.
-    Side {
-        side: Side,
-        chosen: bool,
-    },
+    Side { side: Side, chosen: bool },
     Obstacle {
-        surface: Surface,
-        drive: Drive,
+        surface: Surface<D>,
+        drive: Drive<D>,
     },
 }
 
@@ -312,19 +409,19 @@ pub enum Pairing {
 
 /// The initial gap.
 #[derive(Debug, Clone)]
-pub enum Gap {
+pub enum Gap<const D: usize = 2> {
     Default,
     Closed,
     Geometric,
-    Given(Amount),
+    Given(Amount<D>),
 }
 
 /// The law of the interface.
-#[derive(Debug, Clone)]
-pub enum Law {
+#[derive(Debug, Clone, PartialEq)]
+pub enum Law<const D: usize = 2> {
     Frictionless,
-    Coulomb(Amount),
-    Tresca(Amount),
+    Coulomb(Amount<D>),
+    Tresca(Amount<D>),
     Tied,
     /// Bears tension and shear until it parts or slips.
     Joint {
@@ -334,7 +431,15 @@ pub enum Law {
     },
 }
 
-impl Law {
+impl<const D: usize> Law<D> {
+    /// Coulomb's law with a coefficient that is the same everywhere and always, or no friction.
+    pub fn rubbing(coefficient: f64) -> Self {
+        match coefficient > 0.0 {
+            true => Self::Coulomb(Amount::from(coefficient)),
+            false => Self::Frictionless,
+        }
+    }
+
     /// It bears shear up to a bound.
     pub fn rough(&self) -> bool {
         matches!(
@@ -342,18 +447,26 @@ impl Law {
             Self::Coulomb(_) | Self::Tresca(_) | Self::Joint { .. }
         )
     }
+
+    /// Its coefficient of Coulomb's friction at the origin.
+    pub fn coefficient(&self) -> f64 {
+        match self {
+            Self::Coulomb(coefficient) => coefficient.at([0.0; D], 0.0),
+            _ => 0.0,
+        }
+    }
 }
 
 /// One contact.
 #[derive(Debug, Clone)]
-pub struct Contact {
+pub struct Contact<const D: usize = 2> {
     pub name: String,
     /// The nonmortar side, or the first of `sides`.
     pub own: Side,
-    pub against: Against,
+    pub against: Against<D>,
     pub pairing: Pairing,
-    pub gap: Gap,
-    pub law: Law,
+    pub gap: Gap<D>,
+    pub law: Law<D>,
 }
 
 /// Advance knowledge of the answer, from statics.
@@ -369,25 +482,25 @@ pub enum Known {
 
 /// A problem.
 #[derive(Debug, Clone)]
-pub struct Problem {
+pub struct Problem<const D: usize = 2> {
     pub family: &'static str,
     pub analysis: Analysis,
-    pub bodies: Vec<Body>,
-    pub contacts: Vec<Contact>,
+    pub bodies: Vec<Body<D>>,
+    pub contacts: Vec<Contact<D>>,
     pub times: Vec<f64>,
     pub known: Known,
     /// The reason of `known`, for the report.
     pub reason: String,
     /// The pressure of all contacts, where it is known to be the same everywhere.
-    pub uniform: Option<Amount>,
-    /// Round bodies may spin: rounding decides how far a polygon turns until its next node touches.
+    pub uniform: Option<Amount<D>>,
+    /// Round bodies may spin: rounding decides how far a polygon or polyhedron turns until its next node touches.
     pub spins: bool,
     pub method: String,
     /// `[drawing]` of a case file.
     pub drawing: Option<Drawing>,
     pub sections: Vec<Section>,
     /// An equivalent problem, given by the family.
-    pub other: Option<Box<Other>>,
+    pub other: Option<Box<Other<D>>>,
     /// Steps, from 1, in which nothing has moved since the step before.
     pub idle: Vec<usize>,
     /// Number of steps that are taken from an earlier run.
@@ -397,34 +510,55 @@ pub struct Problem {
 /// A rectangle that a vertical line divides into the regions "a" and "b".
 #[derive(Debug, Clone)]
 pub struct Drawing {
-    pub from: Vector,
-    pub to: Vector,
+    pub from: [f64; 2],
+    pub to: [f64; 2],
     pub border: f64,
     pub size: f64,
     pub cell: Kind,
 }
 
-/// Section forces of a body between two of its sides.
+/// Section forces of a body of the plane between two of its sides.
 #[derive(Debug, Clone)]
 pub struct Section {
     pub name: String,
     pub body: String,
     pub sides: [&'static str; 2],
-    pub stations: Vec<Vector>,
+    pub stations: Vec<[f64; 2]>,
 }
 
 /// An equivalent problem.
 #[derive(Debug, Clone)]
-pub struct Other {
+pub struct Other<const D: usize = 2> {
     pub name: &'static str,
-    pub problem: Problem,
+    pub problem: Problem<D>,
     /// Its bodies that form each body of the original.
     pub parts: Vec<Vec<usize>>,
     /// Relative difference of displacements that is allowed.
     pub tolerance: f64,
 }
 
-impl Problem {
+impl<const D: usize> Problem<D> {
+    /// A problem without bodies, of one step.
+    pub fn new(family: &'static str, analysis: Analysis) -> Self {
+        Self {
+            family,
+            analysis,
+            bodies: Vec::new(),
+            contacts: Vec::new(),
+            times: vec![1.0],
+            known: Known::Open,
+            reason: String::new(),
+            uniform: None,
+            spins: false,
+            method: "auto".to_string(),
+            drawing: None,
+            sections: Vec::new(),
+            other: None,
+            idle: Vec::new(),
+            past: 0,
+        }
+    }
+
     /// Index of a body.
     pub fn body(&self, name: &str) -> usize {
         let place = self.bodies.iter().position(|body| body.name == name);
@@ -438,441 +572,66 @@ impl Problem {
 
     /// Some contact follows Coulomb's law, which may have several answers.
     pub fn coulomb(&self) -> bool {
-        let coulomb =
-            |contact: &Contact| matches!(contact.law, Law::Coulomb(_) | Law::Joint { .. });
-        self.contacts.iter().any(coulomb)
+        let coulomb = |law: &Law<D>| matches!(law, Law::Coulomb(_) | Law::Joint { .. });
+        self.contacts.iter().any(|contact| coulomb(&contact.law))
     }
 
-    /// The case file.
-    pub fn text(&self) -> String {
-        let mut out = format!(
-            "title    = \"campaign: {}\"\nanalysis = \"{}\"\n",
-            self.family,
-            self.analysis.name()
-        );
-        if let Some(drawing) = &self.drawing {
-            write_drawing(&mut out, drawing);
-        }
-        for body in &self.bodies {
-            write_body(&mut out, body, self.analysis);
-        }
-        for contact in &self.contacts {
-            write_contact(&mut out, contact);
-        }
-        for body in &self.bodies {
-            if let Some(Bar {
-                at,
-                stiffness,
-                to: Some((other, to)),
-                gives,
-            }) = &body.more.bar
-            {
-                let long = (to[0] - at[0]).abs();
-                line(
-                    &mut out,
-                    format_args!(
-                        "\n[[bar]]\nname     = \"bar\"\nfrom     = {at:?}\nto       = {to:?}\n\
-                         bodies   = {:?}\nyoung    = {:?}\narea     = 1.0",
-                        [&body.name, other],
-                        stiffness * long
-                    ),
-                );
-                if let Some(most) = gives.as_ref().and_then(|gives| gives.most) {
-                    line(&mut out, format_args!("yield    = {most:?}"));
-                }
-                if gives.as_ref().is_some_and(|gives| gives.slack) {
-                    line(&mut out, format_args!("tension_only = true"));
-                }
-            }
-        }
-        for section in &self.sections {
-            line(
-                &mut out,
-                format_args!(
-                    "\n[[section]]\nname     = \"{}\"\nbody     = \"{}\"\nsides    = {:?}\nstations = {:?}",
-                    section.name, section.body, section.sides, section.stations
-                ),
-            );
-        }
-        if self.method != "auto" {
-            line(
-                &mut out,
-                format_args!("\n[solver]\nmethod = \"{}\"", self.method),
-            );
-        }
-        if self.times != [1.0] {
-            for time in &self.times {
-                line(&mut out, format_args!("\n[[step]]\ntime = {time:?}"));
-            }
-        }
-        out
-    }
-}
-
-/// Writing to a String cannot fail.
-fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
-    let _ = writeln!(out, "{text}");
-}
-
-fn write_drawing(out: &mut String, drawing: &Drawing) {
-    let Drawing {
-        from: [x, y],
-        to: [z, w],
-        border,
-        size,
-        cell,
-    } = drawing;
-    let cell = cell.name();
-    let high = 0.5 * (y + w);
-    line(
-        out,
-        format_args!(
-            "\n[drawing]\ncell    = \"{cell}\"\nsize    = {size:?}\nlines   = [{{ from = [{x:?}, {y:?}], edges = [\
-             {{ to = [{border:?}, {y:?}], name = \"bottom\" }}, {{ to = [{z:?}, {y:?}], name = \"bottom\" }}, \
-             {{ to = [{z:?}, {w:?}], name = \"right\" }}, {{ to = [{border:?}, {w:?}], name = \"top\" }}, \
-             {{ to = [{x:?}, {w:?}], name = \"top\" }}, {{ to = [{x:?}, {y:?}], name = \"left\" }}] }}, \
-             {{ from = [{border:?}, {y:?}], to = [{border:?}, {w:?}], name = \"border\" }}]\n\
-             regions = [{{ name = \"a\", at = [{:?}, {high:?}] }}, {{ name = \"b\", at = [{:?}, {high:?}] }}]",
-            0.5 * (x + border),
-            0.5 * (border + z)
-        ),
-    );
-}
-
-fn write_body(out: &mut String, body: &Body, analysis: Analysis) {
-    line(
-        out,
-        format_args!("\n[[body]]\nname     = \"{}\"", body.name),
-    );
-    let patches: Vec<String> = body
-        .patches
-        .iter()
-        .map(|p| {
-            format!(
-                "{} = {{ of = \"{}\", min = {:?}, max = {:?} }}",
-                p.name, p.of, p.low, p.high
-            )
-        })
-        .collect();
-    let patches = match patches.len() {
-        0 => String::new(),
-        _ => format!(", sides = {{ {} }}", patches.join(", ")),
-    };
-    line(
-        out,
-        format_args!("mesh     = {{ {}{patches} }}", shape(body)),
-    );
-    let thickness = match analysis {
-        Analysis::Axisymmetric => String::new(),
-        _ if body.thickness == 1.0 => String::new(),
-        _ => format!(", thickness = {:?}", body.thickness),
-    };
-    let material = |group: &str, young: f64, poisson: f64| {
-        format!("{{ {group}young = {young:?}, poisson = {poisson:?}{thickness} }}")
-    };
-    let metal = body.more.metal.as_ref();
-    let metal = metal.map_or(String::new(), |Metal { yields, hardening }| {
-        format!("strength = {{ yield = {yields:?} }}, plastic = true, hardening = {hardening:?}, ")
-    });
-    let plain = material(&metal, body.young, body.poisson);
-    let materials = match &body.more.beyond {
-        None => plain,
-        Some(Beyond { young, poisson, .. }) => {
-            format!(
-                "[{plain}, {}]",
-                material("group = \"b\", ", *young, *poisson)
-            )
-        }
-    };
-    line(out, format_args!("material = {materials}"));
-    if let Some(from) = body.more.from {
-        line(out, format_args!("active   = {{ from = {from:?} }}"));
-    }
-    if let Some([xx, yy, zz, xy]) = &body.more.initial {
-        let [xx, yy, zz, xy] = [xx, yy, zz, xy].map(Amount::text);
-        line(
-            out,
-            format_args!("initial_stress = {{ xx = {xx}, yy = {yy}, zz = {zz}, xy = {xy} }}"),
-        );
-    }
-    let mut springs: Vec<String> = body.more.springs.iter().map(spring).collect();
-    if let Some(Bar {
-        at,
-        stiffness,
-        to: None,
-        ..
-    }) = &body.more.bar
-    {
-        springs.push(format!("{{ point = {at:?}, x = {stiffness:?} }}"));
-    }
-    if !springs.is_empty() {
-        line(out, format_args!("spring   = [{}]", springs.join(", ")));
-    }
-    if let Some(couple) = &body.more.couple {
-        let kind = if couple.rigid { "rigid" } else { "average" };
-        line(
-            out,
-            format_args!(
-                "points   = {{ c = {:?} }}\ncouple   = [{{ side = \"{}\", point = \"c\", kind = \"{kind}\" }}]",
-                couple.point, couple.side
-            ),
-        );
-    }
-    if !body.supports.is_empty() {
-        let each = body.supports.iter().map(|s| support(s, &body.more.couple));
-        let each: Vec<String> = each.collect();
-        line(out, format_args!("fix      = [{}]", each.join(", ")));
-    }
-    if !body.loads.is_empty() {
-        let each = body.loads.iter().map(|l| load(l, &body.more.couple));
-        let each: Vec<String> = each.collect();
-        line(out, format_args!("load     = [{}]", each.join(", ")));
-    }
-    if body.weight.iter().any(|w| !w.is_zero()) {
-        line(out, format_args!("body_force = {}", pair(&body.weight)));
-    }
-    if !body.circles.is_empty() {
-        let each: Vec<String> = body
-            .circles
-            .iter()
-            .map(|c| {
-                format!(
-                    "{} = {{ circle = {{ center = {:?}, radius = {:?} }} }}",
-                    c.side, c.center, c.radius
-                )
+    /// Names and texts of its mesh files.
+    pub fn files(&self) -> Vec<(&str, &str)> {
+        let shapes = self.bodies.iter().map(|body| &body.shape);
+        shapes
+            .filter_map(|shape| match shape {
+                Shape::File { name, text } => Some((&name[..], &text[..])),
+                _ => None,
             })
-            .collect();
-        line(out, format_args!("surface  = {{ {} }}", each.join(", ")));
-    }
-}
-
-fn shape(body: &Body) -> String {
-    let cell = body.kind.name();
-    match &body.shape {
-        Shape::Rectangle {
-            from,
-            to,
-            cells,
-            diagonals,
-        } => format!(
-            "rectangle = {{ from = {from:?}, to = {to:?}, cells = {cells:?}, cell = \"{cell}\", diagonals = \"{diagonals}\" }}"
-        ),
-        Shape::Ring {
-            center,
-            radii,
-            angles,
-            cells,
-            ratio,
-        } => {
-            let part = match angles {
-                Some([from, to]) => format!("from = {from:?}, to = {to:?}, "),
-                None => String::new(),
-            };
-            format!(
-                "ring = {{ center = {center:?}, inner = {:?}, outer = {:?}, {part}cells = {cells:?}, ratio = {ratio:?}, cell = \"{cell}\" }}",
-                radii[0], radii[1]
-            )
-        }
-        Shape::Outline { size, from, edges } => {
-            let each: Vec<String> = edges.iter().map(edge).collect();
-            format!(
-                "outline = {{ size = {size:?}, cell = \"{cell}\", from = {from:?}, edges = [{}] }}",
-                each.join(", ")
-            )
-        }
-        Shape::Disc {
-            size,
-            center,
-            radius,
-            cells,
-        } => {
-            let cells = cells.map_or(String::new(), |n| format!(", cells = {n}"));
-            format!(
-                "outline = {{ size = {size:?}, cell = \"{cell}\", circle = {{ center = {center:?}, radius = {radius:?}, name = \"round\"{cells} }} }}"
-            )
-        }
-        Shape::File { name, .. } => format!("file = {{ path = \"{name}\" }}"),
-        Shape::Region(names) => format!("region = {names:?}"),
-    }
-}
-
-fn edge(edge: &Edge) -> String {
-    let arc = edge
-        .center
-        .map_or(String::new(), |c| format!(", center = {c:?}"));
-    let cells = edge
-        .cells
-        .map_or(String::new(), |n| format!(", cells = {n}"));
-    let names = quoted(edge.name.split(' '));
-    format!("{{ to = {:?}, name = {names}{arc}{cells} }}", edge.to)
-}
-
-fn support(support: &Support, couple: &Option<Couple>) -> String {
-    let rigid = |side: &String| couple.as_ref().is_some_and(|c| c.rigid && c.side == *side);
-    let mut keys = vec![match &support.place {
-        Place::Side(side) if rigid(side) => "point = \"c\", rotation = 0".to_string(),
-        Place::Side(side) => format!("side = \"{side}\""),
-        Place::Point(point) => format!("point = {point:?}"),
-    }];
-    let named = support.axes.iter().zip(["x", "y"]);
-    for (value, name) in named.chain([(&support.normal, "normal")]) {
-        keys.extend(value.as_ref().map(|v| format!("{name} = {}", v.text())));
-    }
-    if let Some(from) = support.from {
-        keys.push(format!("active = {{ from = {from:?} }}"));
-    }
-    format!("{{ {} }}", keys.join(", "))
-}
-
-fn spring(spring: &Spring) -> String {
-    format!(
-        "{{ side = \"{}\", normal = {:?}, tangential = {:?}, compression_only = {} }}",
-        spring.side, spring.normal, spring.tangential, spring.compression_only
-    )
-}
-
-fn load(load: &Load, couple: &Option<Couple>) -> String {
-    match load {
-        Load::Traction { side, field }
-            if couple.as_ref().is_some_and(|c| !c.rigid && c.side == *side) =>
-        {
-            let area = couple.as_ref().map_or(1.0, |c| c.area);
-            let force = field.each_ref().map(|f| f.times(area));
-            format!("{{ point = \"c\", force = {} }}", pair(&force))
-        }
-        Load::Traction { side, field } => {
-            format!("{{ side = \"{side}\", traction = {} }}", pair(field))
-        }
-        Load::Pressure { side, field } => {
-            format!("{{ side = \"{side}\", pressure = {} }}", field.text())
-        }
-        Load::Force { point, field } => {
-            format!("{{ point = {point:?}, force = {} }}", pair(field))
-        }
-        Load::InSitu { side, factor } => {
-            format!("{{ side = \"{side}\", in_situ = {} }}", factor.text())
-        }
-    }
-}
-
-fn pair(field: &[Amount; 2]) -> String {
-    format!("[{}, {}]", field[0].text(), field[1].text())
-}
-
-fn write_contact(out: &mut String, contact: &Contact) {
-    let own = named(&contact.own);
-    line(
-        out,
-        format_args!("\n[[contact]]\nname      = \"{}\"", contact.name),
-    );
-    match &contact.against {
-        Against::Side { side, chosen } => {
-            let other = named(side);
-            if *chosen {
-                line(out, format_args!("sides     = [{own}, {other}]"));
-            } else {
-                line(out, format_args!("nonmortar = {own}\nmortar    = {other}"));
-            }
-        }
-        Against::Obstacle { surface, drive } => {
-            let surface = match surface {
-                Surface::Gap(gap) => format!("gap = {}", gap.text()),
-                Surface::Plane { point, normal } => {
-                    format!("plane = {{ point = {point:?}, normal = {normal:?} }}")
-                }
-                Surface::Circle {
-                    center,
-                    radius,
-                    inside,
-                } => format!(
-                    "circle = {{ center = {center:?}, radius = {radius:?}, inside = {inside} }}"
-                ),
-            };
-            let drive = match drive {
-                Drive::Nothing => String::new(),
-                Drive::Displacement(field) => format!(", displacement = {}", pair(field)),
-                Drive::Force(field) => format!(", force = {}", pair(field)),
-            };
-            line(
-                out,
-                format_args!("nonmortar = {own}\nobstacle  = {{ {surface}{drive} }}"),
-            );
-        }
-    }
-    if contact.pairing == Pairing::Mortar {
-        line(out, format_args!("pairing   = \"mortar\""));
-    }
-    match &contact.gap {
-        Gap::Default => {}
-        Gap::Closed => line(out, format_args!("gap       = \"closed\"")),
-        Gap::Geometric => line(out, format_args!("gap       = \"geometric\"")),
-        Gap::Given(gap) => line(out, format_args!("gap       = {}", gap.text())),
-    }
-    match &contact.law {
-        Law::Frictionless => {}
-        Law::Coulomb(value) => line(out, format_args!("friction  = {}", value.text())),
-        Law::Tresca(value) => {
-            line(
-                out,
-                format_args!("friction  = {{ tresca = {} }}", value.text()),
-            );
-        }
-        Law::Tied => line(out, format_args!("tied      = true")),
-        Law::Joint {
-            coulomb,
-            cohesion,
-            tension,
-        } => line(
-            out,
-            format_args!(
-                "friction  = {{ coulomb = {coulomb:?}, cohesion = {cohesion:?}, tension = {tension:?} }}"
-            ),
-        ),
-    }
-}
-
-/// A side, or a list of sides, in quotes.
-fn named(side: &Side) -> String {
-    quoted(side.side.split('+').map(|s| format!("{}.{s}", side.body)))
-}
-
-/// A name, or a list of names, in quotes.
-fn quoted(names: impl Iterator<Item = impl std::fmt::Debug>) -> String {
-    match &names.collect::<Vec<_>>()[..] {
-        [one] => format!("{one:?}"),
-        several => format!("{several:?}"),
+            .collect()
     }
 }
 
 /// A support that holds one axis of a side or a point.
-pub fn hold(place: Place, axis: usize) -> Support {
+pub fn hold<const D: usize>(place: Place<D>, axis: usize) -> Support<D> {
     moved(place, axis, Amount::from(0.0))
 }
 
 /// A support that moves one axis of a side or a point.
-pub fn moved(place: Place, axis: usize, value: Amount) -> Support {
-    let mut axes = [None, None];
-    axes[axis] = Some(value);
+pub fn moved<const D: usize>(place: Place<D>, axis: usize, value: Amount<D>) -> Support<D> {
+    let mut support = Support {
+        place,
+        axes: std::array::from_fn(|_| None),
+        normal: None,
+        from: None,
+    };
+    support.axes[axis] = Some(value);
+    support
+}
+
+/// A support that moves all components of a place.
+pub fn driven<const D: usize>(place: Place<D>, field: Field<D>) -> Support<D> {
     Support {
         place,
-        axes,
+        axes: field.map(Some),
         normal: None,
         from: None,
     }
 }
 
 /// A support that holds all components of a place.
-pub fn clamp(place: Place) -> Support {
+pub fn clamp<const D: usize>(place: Place<D>) -> Support<D> {
+    driven(place, constant([0.0; D]))
+}
+
+/// A support that moves a side along its normal.
+pub fn roller<const D: usize>(side: &str, value: Amount<D>) -> Support<D> {
     Support {
-        place,
-        axes: [Some(Amount::from(0.0)), Some(Amount::from(0.0))],
-        normal: None,
+        place: on(side),
+        axes: std::array::from_fn(|_| None),
+        normal: Some(value),
         from: None,
     }
 }
 
 /// A side as a place.
-pub fn on(side: &str) -> Place {
+pub fn on<const D: usize>(side: &str) -> Place<D> {
     Place::Side(side.to_string())
 }
 

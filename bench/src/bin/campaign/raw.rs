@@ -3,30 +3,34 @@
 //! Meshes with their sides, nodal displacements, and the rows of `contact.csv`, of the plane or of space.
 
 use crate::cells::Kind;
-use crate::plane::turned;
-use crate::vector::dot;
+use crate::vector::{length, minus};
 use std::collections::BTreeMap;
-
-/// Kinds of cells of the plane, or of space.
-pub trait Cell: Copy + std::fmt::Debug + 'static {
-    /// All of them.
-    const ALL: &'static [Self];
-
-    /// The name in a case file.
-    fn name(self) -> &'static str;
-
-    /// Local nodes of a facet, in the order of the facet's own kind.
-    fn facet(self, local: usize) -> Vec<usize>;
-}
 
 /// A mesh.
 #[derive(Debug, Clone)]
-pub struct Mesh<const D: usize = 2, K = Kind> {
+pub struct Mesh<const D: usize = 2> {
     pub points: Vec<[f64; D]>,
-    pub cells: Vec<(K, Vec<usize>)>,
+    pub cells: Vec<(Kind, Vec<usize>)>,
     /// Nodes of the facets of each side: two ends with the cell on the left, in space the corners counter-clockwise from
     /// outside, then the middles of a quadratic facet.
     pub sides: BTreeMap<String, Vec<Vec<usize>>>,
+}
+
+impl<const D: usize> Mesh<D> {
+    /// The facets of a side, or of several whose names are joined by plus signs.
+    pub fn side(&self, names: &str) -> impl Iterator<Item = &Vec<usize>> {
+        let each = names.split('+').filter_map(|name| self.sides.get(name));
+        each.flatten()
+    }
+
+    /// The node nearest to a point.
+    pub fn nearest(&self, point: [f64; D]) -> usize {
+        let distance = |node: &usize| length(minus(self.points[*node], point));
+        let nodes = 0..self.points.len();
+        nodes
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .unwrap_or(0)
+    }
 }
 
 /// State of a contact node.
@@ -53,13 +57,6 @@ pub struct Row<const D: usize = 2> {
     /// Slip of the nonmortar side relative to the other.
     pub slip: [f64; D],
     pub status: Status,
-}
-
-impl Row {
-    /// Shear along the normal turned by +90°.
-    pub fn shear(&self) -> f64 {
-        dot(self.shear, turned(self.normal))
-    }
 }
 
 /// One contact of one step.
@@ -96,7 +93,7 @@ pub struct Step<const D: usize = 2> {
 
 /// All of it.
 #[derive(Debug, Clone)]
-pub struct Answer<const D: usize = 2, K = Kind> {
-    pub meshes: Vec<Mesh<D, K>>,
+pub struct Answer<const D: usize = 2> {
+    pub meshes: Vec<Mesh<D>>,
     pub steps: Vec<Step<D>>,
 }

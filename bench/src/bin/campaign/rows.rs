@@ -1,83 +1,83 @@
 //! The rows of `contact.csv` against the true forces, and the laws of contact row by row.
 
 use crate::check::{View, resolution};
-use crate::cone::distance;
+use crate::cone::{EDGES, cone, distance};
 use crate::held::free_part;
 use crate::judgement::Judgement;
-use crate::plane::{Vector, dot, length, minus, plus, times, turned};
 use crate::problem::Law;
 use crate::raw::{Row, Status, Step};
 use crate::state::State;
 use crate::touch::{Sample, Touch};
+use crate::vector::{dot, length, minus, plus, raised, tangents, times, unit};
 use std::collections::BTreeMap;
 
 /// Force of a row on its node of the nonmortar body; `None` where it is not defined.
-pub fn force(row: &Row) -> Option<Vector> {
-    let push = plus(
-        times(-row.pressure * row.weight, row.normal),
-        row.shear() * row.weight,
-        turned(row.normal),
-    );
-    push.iter().all(|c| c.is_finite()).then_some(push)
+pub fn force<const D: usize>(row: &Row<D>) -> Option<[f64; D]> {
+    let push = times(-row.pressure * row.weight, row.normal);
+    let force = plus(push, row.weight, row.shear);
+    force.iter().all(|c| c.is_finite()).then_some(force)
 }
 
 /// Displacement of an obstacle that a force moves: the least one with which the rows that bear force are closed.
-pub fn placed_obstacle(
-    touch: &Touch<'_>,
-    step: &Step,
-    contact: usize,
-    state: &State,
-) -> Option<Vector> {
-    let rows = &step.contacts[contact].rows;
-    let largest = rows
-        .iter()
-        .fold(0.0, |s: f64, r| s.max(r.pressure * r.weight));
+pub fn placed_obstacle<const D: usize>(
+    touch: &Touch<'_, D>,
+    step: &Step<D>,
+    c: usize,
+    state: &State<D>,
+) -> Option<[f64; D]> {
+    let rows = &step.contacts[c].rows;
+    let forces = rows.iter().map(|r| r.pressure * r.weight);
+    let largest = forces.fold(0.0, f64::max);
     if largest <= 1e-6 * state.force {
         return None;
     }
     let bearing = rows
         .iter()
         .filter(|r| r.pressure * r.weight > 1e-6 * largest);
-    let samples: Vec<&Sample> = bearing
-        .filter_map(|r| touch.at_nodes.get(&r.node))
+    let samples: Vec<Sample<D>> = bearing
+        .filter_map(|row| touch.of_row(row).map(|(_, sample)| sample))
         .collect();
-    let mut matrix = [[0.0; 2]; 2];
-    for n in samples.iter().map(|s| s.normal) {
-        for i in 0..2 {
-            for j in 0..2 {
-                matrix[i][j] += n[i] * n[j];
+    // conjugate gradients for the normal equations: directions without any row get no displacement
+    let felt = |f: &dyn Fn(&Sample<D>) -> f64| {
+        let each = samples.iter();
+        each.fold([0.0; D], |s, sample| plus(s, f(sample), sample.normal))
+    };
+    let mut moved = [0.0; D];
+    for _ in 0..3 {
+        let mut rest = felt(&|s| -touch.gap(s, &step.displacements, moved, step.time));
+        let (mut along, first) = (rest, dot(rest, rest));
+        for _ in 0..D {
+            let size = dot(rest, rest);
+            let image = felt(&|s| dot(s.normal, along));
+            let give = dot(along, image);
+            // the rest is rounding, or in directions without any row
+            if size <= 1e-28 * first || give <= 1e-12 * dot(along, along) {
+                break;
             }
+            let part = size / give;
+            (moved, rest) = (plus(moved, part, along), plus(rest, -part, image));
+            along = plus(rest, dot(rest, rest) / size, along);
         }
-    }
-    // directions without any row get no displacement
-    let small = 1e-9 * (matrix[0][0] + matrix[1][1]);
-    let (a, b, d) = (matrix[0][0] + small, matrix[0][1], matrix[1][1] + small);
-    let volume = a * d - b * b;
-    let mut moved = [0.0; 2];
-    // repeated: each time the error of that small number shrinks by the same factor
-    for _ in 0..4 {
-        let mut right = [0.0; 2];
-        for sample in &samples {
-            let gap = touch.gap(sample, &step.displacements, moved, step.time);
-            right = plus(right, -gap, sample.normal);
-        }
-        moved[0] += (d * right[0] - b * right[1]) / volume;
-        moved[1] += (a * right[1] - b * right[0]) / volume;
     }
     Some(moved)
 }
 
-/// Slip of the own side relative to the other in this step, along the tangent.
-fn slip(view: &View<'_>, c: usize, sample: &Sample) -> Option<f64> {
+/// Slip of the own side relative to the other in this step, from displacements.
+fn slip<const D: usize>(view: &View<'_, D>, c: usize, sample: &Sample<D>) -> Option<[f64; D]> {
     let touch = &view.touches[c];
     let now = touch.driven(view.step.time)?;
     let before = view.before.obstacles[c];
     let after = touch.slip(sample, &view.step.displacements, now);
-    Some(after - touch.slip(sample, &view.before.moves, before))
+    Some(minus(after, touch.slip(sample, &view.before.moves, before)))
+}
+
+/// The slips of rows are those of their own conditions. In the plane, rows of integrated conditions tell the slips of their nodes.
+fn tells_own_slip<const D: usize>(touch: &Touch<'_, D>) -> bool {
+    D == 3 || touch.nodal
 }
 
 /// Largest shear force of a row with this pushing force.
-fn bound(view: &View<'_>, c: usize, row: &Row, push: f64) -> f64 {
+fn bound<const D: usize>(view: &View<'_, D>, c: usize, row: &Row<D>, push: f64) -> f64 {
     let x = view.answer.meshes[view.touches[c].own].points[row.node];
     match &view.touches[c].contact.law {
         Law::Frictionless => 0.0,
@@ -92,32 +92,37 @@ fn bound(view: &View<'_>, c: usize, row: &Row, push: f64) -> f64 {
 }
 
 /// Nodes of joints that have parted or slipped in this step, by far more than rounding.
-pub fn lost(view: &View<'_>) -> Vec<(usize, usize)> {
+pub fn lost<const D: usize>(view: &View<'_, D>) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     let limit = 100.0 * view.state.tiny_length();
     for (c, touch) in view.touches.iter().enumerate() {
         if !matches!(touch.contact.law, Law::Joint { .. }) || !touch.nodal {
             continue;
         }
-        for (&node, sample) in &touch.at_nodes {
-            let gap = touch.gap(sample, &view.step.displacements, [0.0; 2], view.step.time);
-            let slipped = slip(view, c, sample).is_some_and(|slip| slip.abs() > limit);
-            if gap > limit || slipped {
-                found.push((c, node));
-            }
+        for (&node, samples) in &touch.at_nodes {
+            let gone = samples.iter().any(|sample| {
+                let gap = touch.gap(sample, &view.step.displacements, [0.0; D], view.step.time);
+                gap > limit || slip(view, c, sample).is_some_and(|slip| length(slip) > limit)
+            });
+            found.extend(gone.then_some((c, node)));
         }
     }
     found
 }
 
 /// The laws of contact in every row, and the rows against the true forces.
-pub fn check_rows(judgement: &mut Judgement, view: &View<'_>) {
-    for c in 0..view.touches.len() {
-        let weights = view.touches[c].weights(view.problem);
-        check_weights(judgement, view, c, &weights);
-        for row in &view.step.contacts[c].rows {
+pub fn check_rows<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
+    for (c, raw) in view.step.contacts.iter().enumerate() {
+        check_weights(judgement, view, c);
+        check_work(judgement, view, c);
+        let resolved = resolution(view, c);
+        for (place, row) in raw.rows.iter().enumerate() {
             if row.status != Status::Fixed && row.status != Status::Tied {
-                check_row(judgement, view, c, row);
+                let before = view.before.step.and_then(|step| {
+                    let rows = &step.contacts[c].rows;
+                    rows.get(place).filter(|before| before.node == row.node)
+                });
+                check_row(judgement, view, c, (row, before), &resolved);
             }
         }
     }
@@ -125,204 +130,298 @@ pub fn check_rows(judgement: &mut Judgement, view: &View<'_>) {
     check_pushes(judgement, view);
 }
 
-fn check_weights(
-    judgement: &mut Judgement,
-    view: &View<'_>,
-    c: usize,
-    weights: &BTreeMap<usize, f64>,
-) {
+fn check_weights<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>, c: usize) {
     let touch = &view.touches[c];
     let rows = &view.step.contacts[c].rows;
-    if rows.iter().any(|r| r.status == Status::Fixed) {
+    let known: Vec<&Row<D>> = rows.iter().filter(|r| !r.gap.is_nan()).collect();
+    if known.is_empty() || rows.iter().any(|r| r.status == Status::Fixed) {
         return;
     }
-    if touch.nodal {
-        // where a round side turns away from the other side, there is no contact and weights have no meaning
-        for row in rows
-            .iter()
-            .filter(|r| touch.curve.straight() || r.pressure > 0.0)
-        {
-            if row.gap.is_nan() {
-                continue;
-            }
-            // a sharp corner may bear although none of its facets faces the obstacle
-            let own = match weights.get(&row.node) {
-                None if touch.met.contains(&row.node) => row.weight,
-                own => own.copied().unwrap_or(0.0),
-            };
-            let off = (row.weight - own).abs();
-            // on a curved facet the area is no polynomial: its value depends on the Gauss rule
-            let limit = if touch.curve.straight() { 1e-6 } else { 1e-3 };
-            judgement.compare("weight", off, limit * row.weight, || {
-                view.node(touch.own, row.node)
+    let (flat, name) = (touch.skin.flat(), &touch.contact.name);
+    if let (false, Some(facing)) = (touch.nodal, touch.facing.area) {
+        if facing > 0.0 {
+            let sum: f64 = known.iter().map(|r| r.weight).sum();
+            // a sliver of a facet that the program leaves out is less than a thousandth of its nodes' weight
+            judgement.compare("weight", (sum - facing).abs(), 1e-3 * facing, || {
+                format!("contact {name}: sum {sum:.6e}, facing {facing:.6e}")
             });
         }
-    } else if touch.curve.straight()
-        && touch.opposite.as_ref().is_none_or(|o| o.straight())
-        && rows.iter().any(|r| !r.gap.is_nan())
-    {
-        let sum: f64 = rows
-            .iter()
-            .filter(|r| !r.gap.is_nan())
-            .map(|r| r.weight)
-            .sum();
-        let area = touch.facing_area(view.problem);
-        // a sliver of a facet that the program leaves out is less than a thousandth of its nodes' weight
-        judgement.compare("weight", (sum - area).abs(), 1e-3 * area, || {
-            format!(
-                "contact {}: sum {sum:.6e}, facing {area:.6e}",
-                touch.contact.name
-            )
+        return;
+    }
+    if !touch.nodal {
+        return;
+    }
+    let weights = touch.weights(view.problem);
+    // where a round side turns away from the other side, there is no contact and weights have no meaning;
+    // of a sharp edge of it only some faces may touch
+    let asked = known
+        .into_iter()
+        .filter(|r| flat || r.pressure > 0.0 && !touch.skin.sharp(r.node));
+    // several rows may share the facets of a corner
+    let mut sums: BTreeMap<(usize, Vec<usize>), f64> = BTreeMap::new();
+    for row in asked {
+        let facets = match touch.of_row(row) {
+            Some((facets, _)) if touch.other.is_some() => facets,
+            _ => touch.skin.around(row.node).to_vec(),
+        };
+        *sums.entry((row.node, facets)).or_default() += row.weight;
+    }
+    for ((node, facets), sum) in sums {
+        let each = facets.iter().filter_map(|&f| weights.get(&(node, f)));
+        let own: f64 = each.sum();
+        // a sharp corner may bear although none of its facets faces the obstacle
+        if own == 0.0 && touch.met.contains(&node) {
+            continue;
+        }
+        // on a curved facet the area is no polynomial: its value depends on the Gauss rule
+        let limit = if flat { 1e-6 } else { 1e-3 };
+        judgement.compare("weight", (sum - own).abs(), limit * sum, || {
+            view.node(touch.own, node)
         });
     }
 }
 
-fn check_row(judgement: &mut Judgement, view: &View<'_>, c: usize, row: &Row) {
+/// The initial gap of a row, where it is known: at its own node, or the same everywhere.
+fn initial<const D: usize>(
+    touch: &Touch<'_, D>,
+    row: &Row<D>,
+    spread: Option<f64>,
+    t: f64,
+) -> Option<f64> {
+    match touch.nodal {
+        true => touch
+            .of_row(row)
+            .map(|(_, sample)| touch.clearance(&sample, t)),
+        false => spread,
+    }
+}
+
+/// The work of the forces of a contact on the displacements equals that of its rows on their gaps and slips:
+///
+/// ```text
+///   Σ f·u = Σ pressure·weight·(gap − g₀) + Σ weight·shear·slip
+/// ```
+fn check_work<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>, c: usize) {
+    let (touch, t) = (&view.touches[c], view.step.time);
+    let clear: Vec<f64> = touch.samples().map(|s| touch.clearance(s, t)).collect();
+    let low = clear.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = clear.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let same = (high - low <= 1e-13 * view.state.size).then_some(low);
+    let Some(obstacle) = touch.driven(t) else {
+        return;
+    };
+    if touch.contact.law.rough() && !tells_own_slip(touch) {
+        return;
+    }
+    let members = view.members();
+    let (mut work, mut limit) = (0.0, 0.0);
+    for (body, skin, own) in view.sides(c) {
+        for &node in skin.around.keys() {
+            let alone = members[&(body, node)].len() == 1;
+            if !alone || view.state.held[body].contains_key(&node) {
+                return;
+            }
+            let moved = view.step.displacements[body][node];
+            // the opposite force acts on an obstacle
+            let moved = match own && touch.other.is_none() {
+                true => minus(moved, obstacle),
+                false => moved,
+            };
+            work += dot(view.state.rest[body][node], moved);
+            limit += 10.0 * view.state.limits[body][node] * view.state.moves;
+        }
+    }
+    for row in &view.step.contacts[c].rows {
+        let push = row.pressure * row.weight;
+        if row.gap.is_nan() || (push == 0.0 && length(row.shear) == 0.0) {
+            continue;
+        }
+        let Some(initial) = initial(touch, row, same, t) else {
+            return;
+        };
+        // ties are closed and do not slip, frictionless rows have no shear
+        let slip = match touch.contact.law.rough() {
+            true => row.weight * dot(row.shear, row.slip),
+            false => 0.0,
+        };
+        work -= push * (row.gap - initial) + slip;
+        limit += 1e-13 * view.state.size * push.abs();
+    }
+    judgement.compare("work", work.abs(), limit, || {
+        format!("contact {}", touch.contact.name)
+    });
+}
+
+fn check_row<const D: usize>(
+    judgement: &mut Judgement,
+    view: &View<'_, D>,
+    c: usize,
+    (row, before): (&Row<D>, Option<&Row<D>>),
+    resolved: &[f64],
+) {
     let touch = &view.touches[c];
+    let law = &touch.contact.law;
     let limit = view.state.limits[touch.own][row.node];
     let place = || view.node(touch.own, row.node);
     let push = row.pressure * row.weight;
-    let strength = match touch.contact.law {
+    let strength = match law {
         Law::Joint { tension, .. } if !view.lost.contains(&(c, row.node)) => tension * row.weight,
         _ => 0.0,
     };
     judgement.compare("tension", -push - strength, limit + 1e-6 * strength, place);
-    if !touch.contact.law.rough() {
-        let shear = (row.shear() * row.weight).abs();
-        judgement.compare("shear", shear, limit, place);
+    let (shear, most) = (times(row.weight, row.shear), bound(view, c, row, push));
+    let few = if law.rough() { 10.0 * limit } else { limit };
+    judgement.compare("shear", length(shear) - most, few, place);
+    judgement.compare("shear", dot(shear, row.normal).abs(), few, place);
+    if row.gap.is_nan() {
         return;
     }
-    let shear = row.shear() * row.weight;
-    let most = bound(view, c, row, push);
-    judgement.compare("shear", shear.abs() - most, 10.0 * limit, place);
-    if matches!(touch.contact.law, Law::Joint { .. }) {
-        return;
+    let tiny = view.state.tiny_length();
+    judgement.compare("penetration", -row.gap, tiny, place);
+    if push > 10.0 * limit {
+        judgement.compare("open force", row.gap, tiny, place);
     }
-    let Some(sample) = touch.at_nodes.get(&row.node) else {
-        return;
-    };
-    if row.gap.is_nan()
-        || matches!(row.status, Status::Open) && most == 0.0
-        || touch.mixed(row.node)
-    {
-        return;
-    }
-    let Some(slip) = slip(view, c, sample) else {
-        return;
-    };
-    let smallest = if touch.nodal {
-        view.state.tiny_length()
-    } else {
-        // the condition is a mean over the facets around, on which the slip may differ from that at the node
-        let around = &touch.curve.around[&row.node];
-        let nearby = touch.between.iter().filter(|s| around.contains(&s.facet));
-        let others = nearby.filter_map(|s| Some((self::slip(view, c, s)? - slip).abs()));
-        resolution(view, c)[sample.facet] + others.fold(0.0, f64::max)
-    };
-    // held along the tangent on both sides: the shear is not determined
+    // held along a tangent: a part of the shear is not determined
     let held = view.state.held[touch.own].get(&row.node);
-    if length(free_part(turned(row.normal), held)) < 1.0 - 1e-9 {
+    let free = |t: &[f64; D]| length(free_part(*t, held)) > 1.0 - 1e-9;
+    let free = tangents(row.normal).iter().all(free);
+    if !law.rough() || matches!(law, Law::Joint { .. }) || !free || most <= 0.0 {
         return;
     }
-    if shear.abs() < most - 10.0 * limit - 1e-6 * most {
-        judgement.compare("stuck slip", slip.abs(), smallest, place);
+    let slide = Slide {
+        shear,
+        most,
+        limit,
+        tiny,
+    };
+    if tells_own_slip(touch) {
+        let told = before.map_or(row.slip, |before| minus(row.slip, before.slip));
+        slide.check(judgement, told, tiny, true, place);
     }
-    if slip.abs() > smallest {
-        // the shear on the own body is against its slip, and as large as it may be
-        let against = -shear * slip.signum();
-        if touch.nodal {
-            judgement.compare(
-                "shear sign",
-                most - against,
-                100.0 * limit + 1e-5 * most,
-                place,
-            );
-        } else {
-            judgement.compare("shear sign", -against, 100.0 * limit + 1e-2 * most, place);
+    let known = touch
+        .of_row(row)
+        .filter(|_| !touch.mixed.contains(&row.node));
+    let Some((_, sample)) = known else { return };
+    let Some(own) = slip(view, c, &sample) else {
+        return;
+    };
+    if touch.nodal {
+        slide.check(judgement, own, tiny, true, place);
+        return;
+    }
+    // the condition is a mean over the facets around, on which the slip may differ from that at the node
+    let around = touch.skin.around(row.node);
+    let between = touch.facing.between.iter();
+    let nearby = between.filter(|s| around.contains(&s.facet));
+    let others = nearby.filter_map(|s| Some(length(minus(slip(view, c, s)?, own))));
+    let smallest = resolved[sample.facet] + others.fold(0.0, f64::max);
+    slide.check(judgement, own, smallest, false, place);
+}
+
+/// The shear force of a row, which may be as large as `most`.
+struct Slide<const D: usize> {
+    shear: [f64; D],
+    most: f64,
+    /// Rounding of forces and of lengths.
+    limit: f64,
+    tiny: f64,
+}
+
+impl<const D: usize> Slide<D> {
+    /// The law of friction with a slip: smaller ones than `smallest` count as none; `sharp` if it belongs to the row alone.
+    fn check(
+        &self,
+        judgement: &mut Judgement,
+        slip: [f64; D],
+        smallest: f64,
+        sharp: bool,
+        place: impl Fn() -> String,
+    ) {
+        let (most, limit, far) = (self.most, self.limit, length(slip));
+        if length(self.shear) < most - 10.0 * limit - 1e-6 * most {
+            judgement.compare("stuck slip", far, smallest, &place);
         }
+        if far <= smallest {
+            return;
+        }
+        // the shear on the own body is against its slip, and as large as it may be
+        let against = -dot(self.shear, unit(slip));
+        if !sharp {
+            // in space the mean of slips, with weights of both signs, may have another direction
+            if D == 2 {
+                judgement.compare("shear sign", -against, 100.0 * limit + 1e-2 * most, place);
+            }
+            return;
+        }
+        // in space, rounding turns a small slip
+        let angle = if D == 2 { 0.0 } else { self.tiny / far };
+        let blurred = 1e-5 + angle * angle;
+        let allowed = 100.0 * limit + blurred * most;
+        judgement.compare("shear sign", most - against, allowed, place);
     }
 }
 
 /// The forces of the rows at every node of contacts whose conditions hold node by node, against the true ones.
-fn check_forces(judgement: &mut Judgement, view: &View<'_>) {
-    let mut sums: BTreeMap<(usize, usize), Option<Vector>> = BTreeMap::new();
-    let mut add = |place: (usize, usize), force: Option<Vector>| {
-        let sum = sums.entry(place).or_insert(Some([0.0; 2]));
-        *sum = match (*sum, force) {
-            (Some(sum), Some(force)) => Some(plus(sum, 1.0, force)),
-            _ => None,
-        };
+fn check_forces<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
+    let mut sums: BTreeMap<(usize, usize), Option<[f64; D]>> = BTreeMap::new();
+    let mut add = |place: (usize, usize), force: Option<[f64; D]>| {
+        let sum = sums.entry(place).or_insert(Some([0.0; D]));
+        *sum = sum.zip(force).map(|(sum, force)| plus(sum, 1.0, force));
     };
     for (c, touch) in view.touches.iter().enumerate() {
-        let sides = [
-            (Some(touch.own), Some(&touch.curve)),
-            (touch.other, touch.opposite.as_ref()),
-        ];
-        for (body, curve) in sides {
-            if let (Some(body), Some(curve)) = (body, curve) {
-                let known = if touch.nodal { Some([0.0; 2]) } else { None };
-                curve
-                    .around
-                    .keys()
-                    .for_each(|&node| add((body, node), known));
-            }
+        for (body, skin, _) in view.sides(c) {
+            let known = touch.nodal.then_some([0.0; D]);
+            skin.around.keys().for_each(|&n| add((body, n), known));
         }
-        if !touch.nodal {
-            continue;
-        }
-        for row in &view.step.contacts[c].rows {
-            let force = force(row);
-            add((touch.own, row.node), force);
+        for row in view.step.contacts[c].rows.iter().filter(|_| touch.nodal) {
+            add((touch.own, row.node), force(row));
             if let (Some(body), Some(&partner)) = (touch.other, touch.partners.get(&row.node)) {
-                add((body, partner), force.map(|f| times(-1.0, f)));
+                add((body, partner), force(row).map(|f| times(-1.0, f)));
             }
         }
     }
     for ((body, node), sum) in sums {
         let Some(sum) = sum else { continue };
-        let off = view
-            .state
-            .free(body, node, minus(view.state.rest[body][node], sum));
+        let off = minus(view.state.rest[body][node], sum);
+        let off = length(view.state.free(body, node, off));
         let limit = 10.0 * view.state.limits[body][node];
-        judgement.compare("row force", length(off), limit, || view.node(body, node));
+        judgement.compare("row force", off, limit, || view.node(body, node));
     }
 }
 
 /// Nodal forces push: into the body, along the normal of its own side.
-fn check_pushes(judgement: &mut Judgement, view: &View<'_>) {
+fn check_pushes<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
     for ((body, node), contacts) in view.members() {
         let [(c, own)] = contacts[..] else { continue };
         let touch = &view.touches[c];
         let bears = matches!(touch.contact.law, Law::Tied | Law::Joint { .. });
-        if bears || view.state.held[body].contains_key(&node) {
-            continue;
-        }
-        let curve = if own {
-            Some(&touch.curve)
-        } else {
-            touch.opposite.as_ref()
+        let skin = match &touch.opposite {
+            Some(opposite) if !own => opposite,
+            _ => &touch.skin,
         };
-        let Some(curve) = curve else { continue };
-        // a parabola that carries biorthogonal multipliers pulls between its nodes
-        let parabolas = touch.curve.facets.iter().any(|f| f.nodes.len() == 3);
-        if parabolas && !touch.nodal && !own {
+        if bears || view.state.held[body].contains_key(&node) || skin.sharp(node) {
             continue;
         }
-        let normal = curve.normal_at(node);
+        // a parabola that carries biorthogonal multipliers pulls between its nodes
+        if !touch.nodal && !own && !touch.skin.linear() {
+            continue;
+        }
+        let normal = skin.normal_at(node);
         let force = view.state.rest[body][node];
         let limit = 10.0 * view.state.limits[body][node];
+        let rough = touch.contact.law.rough();
         let allowed = if touch.nodal {
             // normals of both sides differ by the angle of a facet where friction or a curve turns the force
-            limit
-                + (0.5 * curve.turn + f64::from(u8::from(touch.contact.law.rough())) * curve.turn)
-                    * length(force)
+            let parts = if rough { 1.5 } else { 0.5 };
+            limit + parts * skin.turn * length(force)
         } else {
-            let nodes = || curve.around.keys().map(|&n| view.state.rest[body][n]);
+            let nodes = || skin.around.keys().map(|&n| view.state.rest[body][n]);
             let push = nodes().fold(0.0, |s: f64, f| s.max(-dot(f, normal)));
             let size = nodes().fold(0.0, |s: f64, f| s.max(length(f)));
-            let aside = match touch.contact.law.rough() {
-                true => turned_shear(touch) * size,
-                false => 0.0,
+            let aside = if rough {
+                turned_shear(touch) * size
+            } else {
+                0.0
             };
             limit + (2.0 * push + aside).min(2.0 * push.max(size))
         };
@@ -339,52 +438,39 @@ fn check_pushes(judgement: &mut Judgement, view: &View<'_>) {
 /// 2q₀ − q₁ at an end: at most three times the larger row if the two differ in sign, else twice, and of any sign, although the law
 /// holds in each row. But |t·n| is the sine of the angle between ν and n, which is at most the angle between neighbouring facets of
 /// both sides. Shears of straight sides do not pull.
-fn turned_shear(touch: &Touch<'_>) -> f64 {
+fn turned_shear<const D: usize>(touch: &Touch<'_, D>) -> f64 {
     let opposite = touch.opposite.as_ref();
-    if touch.curve.corners || opposite.is_some_and(|o| o.corners) {
+    if touch.skin.corners || opposite.is_some_and(|o| o.corners) {
         return 2.0;
     }
-    let turn = touch.curve.turn + opposite.map_or(0.0, |o| o.turn);
+    let turn = touch.skin.turn + opposite.map_or(0.0, |o| o.turn);
     3.0 * turn.min(std::f64::consts::FRAC_PI_2).sin()
 }
 
 /// Where a row has no force, the contacts there must still allow the force on its node.
-pub fn check_corners(judgement: &mut Judgement, view: &View<'_>) {
+pub fn check_corners<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
     for ((body, node), contacts) in view.members() {
-        let rows: Vec<(usize, Option<&Row>)> = contacts
-            .iter()
-            .map(|&(c, own)| {
-                let rows = view.step.contacts[c].rows.iter();
-                (c, rows.into_iter().find(|r| own && r.node == node))
-            })
-            .collect();
-        let all_own = contacts
-            .iter()
-            .all(|&(c, own)| own && view.touches[c].nodal);
-        let missing = rows
-            .iter()
-            .any(|(_, row)| row.is_some_and(|r| r.pressure.is_nan()));
-        let tresca = rows.iter().any(|(c, _)| {
-            matches!(
-                view.touches[*c].contact.law,
-                Law::Tresca(_) | Law::Tied | Law::Joint { .. }
-            )
-        });
-        if !all_own || !missing || tresca {
+        let nodal = |&(c, own): &(usize, bool)| own && view.touches[c].nodal;
+        // a bound that does not depend on the pressure defines no cone
+        let cones = |&(c, _): &(usize, bool)| {
+            let law = &view.touches[c].contact.law;
+            matches!(law, Law::Frictionless | Law::Coulomb(_))
+        };
+        if !contacts.iter().all(nodal) || !contacts.iter().all(cones) {
             continue;
         }
-        let mut edges = Vec::new();
-        for (c, row) in &rows {
-            if let Some(row) = row {
-                edges.extend(allowed(view, *c, row));
-            }
+        let rows = contacts.iter().flat_map(|&(c, _)| {
+            let rows = view.step.contacts[c].rows.iter();
+            rows.filter(|r| r.node == node).map(move |row| (c, row))
+        });
+        let rows: Vec<(usize, &Row<D>)> = rows.collect();
+        if !rows.iter().any(|(_, row)| row.pressure.is_nan()) {
+            continue;
         }
         let held = view.state.held[body].get(&node);
-        let flat = |v: Vector| {
-            let v = free_part(v, held);
-            [v[0], v[1], 0.0]
-        };
-        let columns: Vec<[f64; 3]> = edges.into_iter().map(flat).collect();
+        let flat = |v: [f64; D]| raised(free_part(v, held));
+        let edges = rows.iter().flat_map(|(c, row)| allowed(view, *c, row));
+        let columns: Vec<[f64; 3]> = edges.map(flat).collect();
         let force = view.state.rest[body][node];
         let off = distance(&columns, flat(force));
         let limit = 10.0 * view.state.limits[body][node];
@@ -393,28 +479,20 @@ pub fn check_corners(judgement: &mut Judgement, view: &View<'_>) {
 }
 
 /// Edges of the cone of forces that a contact may exert on a node with its gap and its slip.
-fn allowed(view: &View<'_>, c: usize, row: &Row) -> Vec<Vector> {
+fn allowed<const D: usize>(view: &View<'_, D>, c: usize, row: &Row<D>) -> Vec<[f64; D]> {
     let touch = &view.touches[c];
-    let (Some(sample), Some(obstacle)) = (touch.at_nodes.get(&row.node), view.obstacles[c]) else {
+    let (Some((_, sample)), Some(obstacle)) = (touch.of_row(row), view.obstacles[c]) else {
         return Vec::new();
     };
-    let gap = touch.gap(sample, &view.step.displacements, obstacle, view.step.time);
-    if gap > view.state.tiny_length() {
+    let tiny = view.state.tiny_length();
+    let gap = touch.gap(&sample, &view.step.displacements, obstacle, view.step.time);
+    if gap > tiny {
         return Vec::new();
     }
     let push = times(-1.0, sample.normal);
-    let along = turned(sample.normal);
     let coefficient = bound(view, c, row, 1.0);
-    if coefficient == 0.0 {
-        return vec![push];
-    }
-    let ends = [
-        plus(push, coefficient, along),
-        plus(push, -coefficient, along),
-    ];
-    match slip(view, c, sample) {
-        Some(slip) if slip > view.state.tiny_length() => vec![ends[1]],
-        Some(slip) if slip < -view.state.tiny_length() => vec![ends[0]],
-        _ => ends.to_vec(),
+    match slip(view, c, &sample) {
+        Some(slip) if length(slip) > tiny => vec![plus(push, -coefficient, unit(slip))],
+        _ => cone(push, coefficient, EDGES, true),
     }
 }

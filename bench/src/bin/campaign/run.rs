@@ -1,83 +1,22 @@
 //! The campaign itself: seeds on threads, each solved, judged, and solved again.
 
-use crate::judgement::{Finding, Judgement};
-use crate::problem::Known;
+use crate::check::check;
+use crate::dimension::Dimension;
+use crate::judgement::Finding;
+use crate::problem::{Known, Problem};
 use crate::random::Random;
-use crate::raw::{Answer, Cell, Mesh, Step};
+use crate::raw::{Answer, Step};
 use crate::report::Report;
-use crate::solve::{Folder, Outcome, Solvable, solve, write_meshes};
-use crate::twin::{Twin, difference};
+use crate::solve::{Folder, Outcome, solve, write_meshes};
+use crate::state::State;
+use crate::twin::difference;
+use crate::twins::unique;
 use crate::vector::{length, minus};
-use dotyk::case::Case;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
-
-/// A problem of the plane (D = 2) or of space (D = 3), as the campaign solves and judges it.
-pub trait Problem<const D: usize>: Clone {
-    type Kind: Cell;
-
-    /// Names of all families.
-    fn families() -> Vec<&'static str>;
-
-    /// The problem of a seed, of this family or of one that the seed chooses; with `more` among the later families.
-    fn of_seed(seed: u64, family: Option<&str>, more: bool) -> Self;
-
-    fn family(&self) -> &'static str;
-
-    /// Advance knowledge of the answer, and its reason.
-    fn known(&self) -> (Known, &str);
-
-    /// Some contact has friction.
-    fn rough(&self) -> bool;
-
-    /// Some contact follows Coulomb's law, which may have several answers.
-    fn coulomb(&self) -> bool;
-
-    /// Names of all contacts.
-    fn contacts(&self) -> Vec<&str>;
-
-    /// The case file.
-    fn text(&self) -> String;
-
-    /// Names and texts of its mesh files.
-    fn files(&self) -> Vec<(&str, &str)>;
-
-    /// The same, to be solved by another method.
-    fn by_method(&self, method: &str) -> Self;
-
-    /// Judges all steps of an answer.
-    fn check(&self, answer: &Answer<D, Self::Kind>) -> Judgement;
-
-    /// Some twins.
-    fn twins(&self, answer: &Answer<D, Self::Kind>, random: &mut Random) -> Vec<Twin<Self, D>>;
-
-    /// Number of steps that are taken from an earlier run.
-    fn past(&self) -> usize {
-        0
-    }
-
-    /// Whether the family gives an equivalent problem, which is then always solved.
-    fn told_twice(&self) -> bool {
-        false
-    }
-
-    /// Whether the answer of this kind of twin must be the same.
-    fn unique(&self, answer: &Answer<D, Self::Kind>, twin: &str) -> bool;
-
-    /// Displacements of a body without the undetermined rigid motion.
-    fn determined(
-        &self,
-        body: usize,
-        mesh: &Mesh<D, Self::Kind>,
-        moves: Vec<[f64; D]>,
-    ) -> Vec<[f64; D]>;
-
-    /// Forces of supports and contacts on each node of each body, and the scale of forces.
-    fn forces(&self, answer: &Answer<D, Self::Kind>, step: &Step<D>) -> (Vec<Vec<[f64; D]>>, f64);
-}
 
 /// The options of the command line.
 pub struct Options {
@@ -144,11 +83,11 @@ pub struct Result {
 }
 
 /// Runs all seeds; whether every answer is right, and with `answered` none is missing.
-pub fn run<P: Problem<D>, const D: usize>(options: &Options) -> std::result::Result<bool, String>
+pub fn run<const D: usize>(options: &Options) -> std::result::Result<bool, String>
 where
-    Case<D>: Solvable<D>,
+    Problem<D>: Dimension<D>,
 {
-    let families = P::families();
+    let families = Problem::families();
     if let Some(name) = options.family.as_deref().filter(|n| !families.contains(n)) {
         let known = families.join(", ");
         return Err(format!("no family {name}; there are {known}"));
@@ -171,8 +110,8 @@ where
                         break;
                     };
                     let result = match &pool {
-                        Ok(pool) => pool.install(|| one::<P, D>(seed, family, options)),
-                        Err(_) => one::<P, D>(seed, family, options),
+                        Ok(pool) => pool.install(|| one::<D>(seed, family, options)),
+                        Err(_) => one::<D>(seed, family, options),
                     };
                     if let Ok(mut results) = results.lock() {
                         results.push(result);
@@ -188,16 +127,16 @@ where
     Ok(report.clean(options.answered))
 }
 
-fn one<P: Problem<D>, const D: usize>(seed: u64, family: Option<&str>, options: &Options) -> Result
+fn one<const D: usize>(seed: u64, family: Option<&str>, options: &Options) -> Result
 where
-    Case<D>: Solvable<D>,
+    Problem<D>: Dimension<D>,
 {
-    let problem = P::of_seed(seed, family.or(options.family.as_deref()), options.more);
-    let (known, reason) = problem.known();
+    let problem = Problem::of_seed(seed, family.or(options.family.as_deref()), options.more);
+    let known = problem.known;
     let clock = Instant::now();
     let mut result = Result {
         seed,
-        family: problem.family(),
+        family: problem.family,
         known,
         rough: problem.rough(),
         coulomb: problem.coulomb(),
@@ -224,7 +163,7 @@ where
     let mut kept = vec![problem.clone()];
     if options.show {
         println!("{}", problem.text());
-        println!("# known: {:?}, {}", known, reason);
+        println!("# known: {:?}, {}", known, problem.reason);
     }
     judge(&problem, &folder, seed, options, &mut result, &mut kept);
     result.seconds = clock.elapsed().as_secs_f64();
@@ -246,15 +185,15 @@ where
     result
 }
 
-fn keep<P: Problem<D>, const D: usize>(
-    problem: &P,
+fn keep<const D: usize>(
+    problem: &Problem<D>,
     folder: &Path,
     seed: u64,
     index: usize,
 ) -> std::io::Result<()> {
     let name = match index {
-        0 => format!("{seed}_{}", problem.family()),
-        _ => format!("{seed}_{}_twin", problem.family()),
+        0 => format!("{seed}_{}", problem.family),
+        _ => format!("{seed}_{}_twin", problem.family),
     };
     let own = folder.join(name);
     std::fs::create_dir_all(&own)?;
@@ -262,17 +201,17 @@ fn keep<P: Problem<D>, const D: usize>(
     std::fs::write(own.join("case.toml"), problem.text())
 }
 
-fn judge<P: Problem<D>, const D: usize>(
-    problem: &P,
+fn judge<const D: usize>(
+    problem: &Problem<D>,
     folder: &Folder,
     seed: u64,
     options: &Options,
     result: &mut Result,
-    kept: &mut Vec<P>,
+    kept: &mut Vec<Problem<D>>,
 ) where
-    Case<D>: Solvable<D>,
+    Problem<D>: Dimension<D>,
 {
-    let (known, reason) = problem.known();
+    let known = problem.known;
     let answer = match solve(problem, folder, options.limit) {
         Outcome::Slow => {
             result.verdict = Verdict::Slow;
@@ -312,13 +251,17 @@ fn judge<P: Problem<D>, const D: usize>(
         show_rows(problem, &answer);
     }
     if known == Known::Falls && result.verdict == Verdict::Right {
-        wrong(result, "held", format!("cannot be held: {reason}"));
+        wrong(
+            result,
+            "held",
+            format!("cannot be held: {}", problem.reason),
+        );
     }
     if result.verdict != Verdict::Right {
         return;
     }
     let mut random = Random::new(seed ^ 0x7717);
-    if random.chance(options.twins) || problem.told_twice() {
+    if random.chance(options.twins) || problem.other.is_some() {
         ask_twins(
             problem,
             &answer,
@@ -333,17 +276,16 @@ fn judge<P: Problem<D>, const D: usize>(
     }
 }
 
-fn look<P: Problem<D>, const D: usize>(
-    problem: &P,
-    answer: &Answer<D, P::Kind>,
-    result: &mut Result,
-) {
+fn look<const D: usize>(problem: &Problem<D>, answer: &Answer<D>, result: &mut Result)
+where
+    Problem<D>: Dimension<D>,
+{
     result.dofs = answer.meshes.iter().map(|m| D * m.points.len()).sum();
     result.iterations = answer.steps.iter().map(|s| s.iterations).collect();
     let last = |step: &Step<D>| step.tried.last().copied().unwrap_or("no stage");
     result.answered = answer.steps.iter().map(last).collect();
     result.dropped = answer.steps.iter().any(|s| s.dropped);
-    let judgement = problem.check(answer);
+    let judgement = check(problem, answer);
     if let Some(Finding {
         step,
         what,
@@ -380,15 +322,15 @@ fn wrong(result: &mut Result, what: &'static str, message: String) {
     (result.what, result.message) = (what, message);
 }
 
-fn ask_twins<P: Problem<D>, const D: usize>(
-    problem: &P,
-    answer: &Answer<D, P::Kind>,
+fn ask_twins<const D: usize>(
+    problem: &Problem<D>,
+    answer: &Answer<D>,
     (folder, limit, show): (&Folder, f64, bool),
     random: &mut Random,
     result: &mut Result,
-    kept: &mut Vec<P>,
+    kept: &mut Vec<Problem<D>>,
 ) where
-    Case<D>: Solvable<D>,
+    Problem<D>: Dimension<D>,
 {
     for twin in problem.twins(answer, random) {
         kept.truncate(1);
@@ -407,7 +349,7 @@ fn ask_twins<P: Problem<D>, const D: usize>(
                 continue;
             }
         };
-        let judgement = twin.problem.check(&other);
+        let judgement = check(&twin.problem, &other);
         if show {
             println!("# twin `{}`", twin.name);
             show_rows(&twin.problem, &other);
@@ -428,7 +370,7 @@ fn ask_twins<P: Problem<D>, const D: usize>(
             );
             return;
         };
-        let unique = problem.unique(answer, twin.name);
+        let unique = unique(problem, answer, twin.name);
         if off > twin.tolerance && unique {
             let text = format!(
                 "twin `{}` differs by {off:.1e} of the largest displacement",
@@ -443,20 +385,23 @@ fn ask_twins<P: Problem<D>, const D: usize>(
 
 /// Judges the answer of another method, and takes the largest difference of the nodal contact forces, relative to the force
 /// scale.
-fn other_method<P: Problem<D>, const D: usize>(
-    problem: &P,
-    answer: &Answer<D, P::Kind>,
+fn other_method<const D: usize>(
+    problem: &Problem<D>,
+    answer: &Answer<D>,
     (folder, options): (&Folder, &Options),
     result: &mut Result,
 ) where
-    Case<D>: Solvable<D>,
+    Problem<D>: Dimension<D>,
 {
-    let again = problem.by_method(&options.method);
+    let again = Problem {
+        method: options.method.clone(),
+        ..problem.clone()
+    };
     let Outcome::Certified(other) = solve(&again, folder, options.limit) else {
         result.method = Some(f64::NAN);
         return;
     };
-    if let Some(finding) = problem.check(&other).worst() {
+    if let Some(finding) = check(problem, &other).worst() {
         let text = format!(
             "method `{}`: {} {:.1e} times its limit, step {}, {}",
             options.method, finding.what, finding.times, finding.step, finding.place
@@ -466,11 +411,12 @@ fn other_method<P: Problem<D>, const D: usize>(
     }
     let mut worst: f64 = 0.0;
     for (a, b) in answer.steps.iter().zip(&other.steps) {
-        let (mine, scale) = problem.forces(answer, a);
-        let (theirs, _) = problem.forces(&other, b);
-        for (a, b) in mine.iter().flatten().zip(theirs.iter().flatten()) {
-            if scale > 0.0 {
-                worst = worst.max(length(minus(*a, *b)) / scale);
+        let mine = State::new(problem, answer, a);
+        let theirs = State::new(problem, &other, b);
+        let all = mine.rest.iter().flatten().zip(theirs.rest.iter().flatten());
+        for (a, b) in all {
+            if mine.force > 0.0 {
+                worst = worst.max(length(minus(*a, *b)) / mine.force);
             }
         }
     }
@@ -478,10 +424,10 @@ fn other_method<P: Problem<D>, const D: usize>(
 }
 
 /// Prints the rows of all contacts.
-fn show_rows<P: Problem<D>, const D: usize>(problem: &P, answer: &Answer<D, P::Kind>) {
+fn show_rows<const D: usize>(problem: &Problem<D>, answer: &Answer<D>) {
     for (index, step) in answer.steps.iter().enumerate() {
-        for (contact, raw) in problem.contacts().iter().zip(&step.contacts) {
-            println!("# step {} contact {contact}", index + 1);
+        for (contact, raw) in problem.contacts.iter().zip(&step.contacts) {
+            println!("# step {} contact {}", index + 1, contact.name);
             for row in &raw.rows {
                 println!(
                     "#   {:>5} {:>13.6e} n {:>9.2e} weight {:>10.3e} gap {:>11.3e} pressure {:>11.3e} shear {:>11.3e} slip {:>11.3e} {:?}",

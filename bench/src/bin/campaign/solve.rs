@@ -1,7 +1,8 @@
 //! Calls of the program: case text in, raw numbers out. The only file that uses the library.
 
-use crate::raw::{self, Answer, Cell, Mesh, Row, Step};
-use crate::run::Problem;
+use crate::cells::Kind;
+use crate::problem::Problem;
+use crate::raw::{self, Answer, Mesh, Row, Step};
 use dotyk::case::{Case, CaseError, Run};
 use dotyk::model::{ContactNode, Event, Model, Past, Solution, Status};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -53,21 +54,25 @@ impl Drop for Folder {
 /// Functions of the library that exist separately for the plane and for space.
 pub trait Solvable<const D: usize>: Sized {
     /// Reads the text of a case file.
-    fn parsed(text: &str, folder: &Path) -> Result<Self, CaseError>;
+    fn parsed(text: &str, folder: &Path) -> Result<Case<D>, CaseError>;
 
     /// Solves all its load steps.
-    fn solved(&self, past: &[Past<D>], observe: &mut dyn FnMut(Event)) -> Run<D>;
+    fn solved(case: &Case<D>, past: &[Past<D>], observe: &mut dyn FnMut(Event)) -> Run<D>;
 }
 
 macro_rules! solvable {
     ($($D:literal)*) => {$(
-        impl Solvable<$D> for Case<$D> {
-            fn parsed(text: &str, folder: &Path) -> Result<Self, CaseError> {
-                Self::from_str(text, "case.toml", folder)
+        impl Solvable<$D> for Problem<$D> {
+            fn parsed(text: &str, folder: &Path) -> Result<Case<$D>, CaseError> {
+                Case::<$D>::from_str(text, "case.toml", folder)
             }
 
-            fn solved(&self, past: &[Past<$D>], observe: &mut dyn FnMut(Event)) -> Run<$D> {
-                self.run(past, observe)
+            fn solved(
+                case: &Case<$D>,
+                past: &[Past<$D>],
+                observe: &mut dyn FnMut(Event),
+            ) -> Run<$D> {
+                case.run(past, observe)
             }
         }
     )*};
@@ -76,10 +81,7 @@ macro_rules! solvable {
 solvable!(2 3);
 
 /// Writes the mesh files of a problem.
-pub fn write_meshes<P: Problem<D>, const D: usize>(
-    problem: &P,
-    folder: &Path,
-) -> std::io::Result<()> {
+pub fn write_meshes<const D: usize>(problem: &Problem<D>, folder: &Path) -> std::io::Result<()> {
     for (name, text) in problem.files() {
         std::fs::write(folder.join(name), text)?;
     }
@@ -87,19 +89,19 @@ pub fn write_meshes<P: Problem<D>, const D: usize>(
 }
 
 /// Solves a problem from its case file, in some seconds at most.
-pub fn solve<P: Problem<D>, const D: usize>(
-    problem: &P,
+pub fn solve<const D: usize>(
+    problem: &Problem<D>,
     folder: &Folder,
     seconds: f64,
-) -> Outcome<Answer<D, P::Kind>>
+) -> Outcome<Answer<D>>
 where
-    Case<D>: Solvable<D>,
+    Problem<D>: Solvable<D>,
 {
     if let Err(error) = write_meshes(problem, folder.path()) {
         return Outcome::Refused(format!("campaign: {error}"));
     }
     let text = problem.text();
-    let past = problem.past();
+    let past = problem.past;
     let attempt = catch_unwind(AssertUnwindSafe(|| {
         attempt(&text, folder.path(), past, seconds)
     }));
@@ -114,16 +116,16 @@ where
     }
 }
 
-fn attempt<K: Cell, const D: usize>(
+fn attempt<const D: usize>(
     text: &str,
     folder: &Path,
     past: usize,
     seconds: f64,
-) -> Outcome<Answer<D, K>>
+) -> Outcome<Answer<D>>
 where
-    Case<D>: Solvable<D>,
+    Problem<D>: Solvable<D>,
 {
-    let case = match Case::<D>::parsed(text, folder) {
+    let case = match Problem::<D>::parsed(text, folder) {
         Ok(case) => case,
         Err(error) => return Outcome::Refused(format!("case file: {error}")),
     };
@@ -133,10 +135,10 @@ where
             std::panic::panic_any(TooSlow);
         }
     };
-    let mut run = case.solved(&[], &mut watch);
+    let mut run = Problem::solved(&case, &[], &mut watch);
     if past > 0 && run.failure.is_none() {
         let done: Vec<Past<D>> = run.steps[..past].iter().map(Past::from).collect();
-        run = case.solved(&done, &mut watch);
+        run = Problem::solved(&case, &done, &mut watch);
     }
     let Some(failure) = &run.failure else {
         return Outcome::Certified(answer(&case.model, &run.steps));
@@ -150,11 +152,11 @@ where
 }
 
 /// The meshes that the program makes from a case file without mesh files.
-pub fn meshes<K: Cell, const D: usize>(text: &str) -> Result<Vec<Mesh<D, K>>, String>
+pub fn meshes<const D: usize>(text: &str) -> Result<Vec<Mesh<D>>, String>
 where
-    Case<D>: Solvable<D>,
+    Problem<D>: Solvable<D>,
 {
-    let case = Case::<D>::parsed(text, Path::new(".")).map_err(|error| error.to_string())?;
+    let case = Problem::<D>::parsed(text, Path::new(".")).map_err(|error| error.to_string())?;
     Ok(case
         .model
         .bodies
@@ -163,8 +165,8 @@ where
         .collect())
 }
 
-fn answer<K: Cell, const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Answer<D, K> {
-    let meshes: Vec<Mesh<D, K>> = model.bodies.iter().map(|body| mesh(&body.mesh)).collect();
+fn answer<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Answer<D> {
+    let meshes: Vec<Mesh<D>> = model.bodies.iter().map(|body| mesh(&body.mesh)).collect();
     let mut steps: Vec<Step<D>> = steps.iter().map(step).collect();
     // a body before its first step has no displacements
     for step in &mut steps {
@@ -176,14 +178,13 @@ fn answer<K: Cell, const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> A
 }
 
 /// The points, cells and sides of a mesh.
-fn mesh<K: Cell, const D: usize>(mesh: &dotyk::mesh::Mesh<D>) -> Mesh<D, K> {
+fn mesh<const D: usize>(mesh: &dotyk::mesh::Mesh<D>) -> Mesh<D> {
     let mut cells = Vec::new();
     let mut firsts = Vec::new();
     for block in mesh.blocks() {
         firsts.push(cells.len());
-        let kinds = K::ALL.iter().copied();
+        let mut kinds = Kind::PLANE.into_iter().chain(Kind::SPACE);
         let kind = kinds
-            .into_iter()
             .find(|kind| kind.name() == block.kind.name())
             .unwrap_or_else(|| panic!("the campaign has no cell {}", block.kind.name()));
         cells.extend(

@@ -3,13 +3,15 @@
 //! rest = internal − external is the force of supports and contacts on a node. At other nodes it must vanish; on a contact side it
 //! is the true contact force.
 
-use crate::elastic::{bedded, conditions, external, internal, nearest, of_support};
+use crate::amount::vector_at;
+use crate::elastic::{Internal, bedded, conditions, external, internal, of_support};
 use crate::held::{Condition, free_part, held_axes};
 use crate::metal;
-use crate::plane::{Vector, bounds, dot, length, minus, plus};
-use crate::problem::{Bar, Body, Problem};
-use crate::raw::{Answer, Step};
+use crate::problem::{Against, Analysis, Bar, Body, Drive, Problem};
+use crate::raw::{Answer, Mesh, Step};
+use crate::vector::{axes, bounds, dot, length, minus, plus, sum};
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 /// Forces below this part of the force scale are rounding: a hundredth of the error of a wrong answer, ten times the limit of
 /// the program (1e-8 of its own scale).
@@ -28,27 +30,32 @@ pub const ROUNDINGS: f64 = 32.0;
 pub const SLENDER: f64 = 1e-4;
 
 /// One load step, seen from its displacements.
-pub struct State {
+pub struct State<const D: usize> {
     /// Forces of supports and contacts on each node of each body.
-    pub rest: Vec<Vec<Vector>>,
+    pub rest: Vec<Vec<[f64; D]>>,
     /// Rounding limit of these forces.
     pub limits: Vec<Vec<f64>>,
-    pub conditions: Vec<Vec<Condition>>,
+    pub conditions: Vec<Vec<Condition<D>>>,
     /// Held directions of nodes.
-    pub held: Vec<BTreeMap<usize, Vec<Vector>>>,
+    pub held: Vec<BTreeMap<usize, Vec<[f64; D]>>>,
     /// Force scale: half the sum of the magnitudes of all nodal forces of the body where that is largest, at least what the
     /// displacements cause in a slender body.
     pub force: f64,
-    /// Displacement scale: the largest displacement.
+    /// Displacement scale: the largest displacement, of obstacles, too.
     pub moves: f64,
     /// Largest coordinate: positions are rounded to 2⁻⁵³ of it.
     pub size: f64,
     /// Forces of beds on each body.
-    pub beds: Vec<Vector>,
+    pub beds: Vec<[f64; D]>,
 }
 
 /// Conditions of supports that begin in a later step: nodes are held where they were in the step before.
-fn held_later(problem: &Problem, answer: &Answer, step: &Step, body: usize) -> Vec<Condition> {
+fn held_later<const D: usize>(
+    problem: &Problem<D>,
+    answer: &Answer<D>,
+    step: &Step<D>,
+    body: usize,
+) -> Vec<Condition<D>> {
     let mut all = Vec::new();
     for support in &problem.bodies[body].supports {
         let Some(from) = support.from.filter(|&from| step.time >= from) else {
@@ -56,7 +63,7 @@ fn held_later(problem: &Problem, answer: &Answer, step: &Step, body: usize) -> V
         };
         let before = answer.steps.iter().rfind(|step| step.time < from);
         for condition in of_support(&answer.meshes[body], support, step.time) {
-            let was = before.map_or([0.0; 2], |b| b.displacements[body][condition.node]);
+            let was = before.map_or([0.0; D], |b| b.displacements[body][condition.node]);
             all.push(Condition {
                 value: condition.value + dot(condition.axis, was),
                 ..condition
@@ -67,104 +74,97 @@ fn held_later(problem: &Problem, answer: &Answer, step: &Step, body: usize) -> V
 }
 
 /// The tension of the spring or bar of a body in a step, after all steps up to it.
-fn tension(answer: &Answer, step: &Step, body: usize, bar: &Bar) -> f64 {
-    let node = nearest(&answer.meshes[body], bar.at);
+fn tension<const D: usize>(answer: &Answer<D>, step: &Step<D>, body: usize, bar: &Bar<D>) -> f64 {
+    let node = answer.meshes[body].nearest(bar.at);
     let before = answer.steps.iter().filter(|s| s.time <= step.time);
     bar.tension(before.map(|s| s.displacements[body][node][0]))
 }
 
-impl State {
+/// Forces of the stresses of a body: of metal there may be two kinds, depending on whether its cells flow.
+fn inside<const D: usize>(
+    (problem, answer, step): (&Problem<D>, &Answer<D>, &Step<D>),
+    place: usize,
+    least: f64,
+) -> Vec<Internal<D>> {
+    let (body, mesh) = (&problem.bodies[place], &answer.meshes[place]);
+    let Some(own) = &body.more.metal else {
+        let moves = &step.displacements[place];
+        return vec![internal(mesh, body, problem.analysis, moves, least)];
+    };
+    let so_far = answer.steps.iter().filter(|s| s.time <= step.time);
+    let ways = so_far.map(|s| &s.displacements[place][..]);
+    let ways: Vec<&[[f64; D]]> = ways.collect();
+    let forces = |gives_way: bool| {
+        let of = (mesh, body, own);
+        metal::internal(of, problem.analysis, &ways, (least, gives_way))
+    };
+    let (inside, either) = forces(false);
+    let other = either.then(|| forces(true).0);
+    std::iter::once(inside).chain(other).collect()
+}
+
+/// The displacement that the release of the initial stress of a body could cause.
+fn given<const D: usize>(body: &Body<D>, mesh: &Mesh<D>) -> f64 {
+    let (low, high) = bounds(&mesh.points);
+    let components = body.more.initial.iter().flatten();
+    let stress = components.flat_map(|s| [low, high].map(|x| s.at(x, 0.0).abs()));
+    stress.fold(0.0, f64::max) / body.young * length(minus(high, low))
+}
+
+impl<const D: usize> State<D> {
     /// The forces of a step.
-    pub fn new(problem: &Problem, answer: &Answer, step: &Step) -> Self {
+    pub fn new(problem: &Problem<D>, answer: &Answer<D>, step: &Step<D>) -> Self {
         let analysis = problem.analysis;
+        let all = step.displacements.iter().flatten();
+        let largest = all.fold(0.0, |s: f64, &u| s.max(length(u)));
         let mut state = Self {
             rest: Vec::new(),
             limits: Vec::new(),
             conditions: Vec::new(),
             held: Vec::new(),
             force: 0.0,
-            moves: 0.0,
+            moves: largest,
             size: 0.0,
             beds: Vec::new(),
         };
         let mut magnitudes = Vec::new();
-        // large displacements of other bodies leave rounding on a body that hardly moves
-        let all = step.displacements.iter().flatten();
-        let largest = all.fold(0.0, |s: f64, &u| s.max(length(u)));
-        for ((body, mesh), moves) in problem
-            .bodies
-            .iter()
-            .zip(&answer.meshes)
-            .zip(&step.displacements)
-        {
-            let least = 0.01 * largest;
-            let inside = match &body.more.metal {
-                Some(own) => {
-                    let place = state.rest.len();
-                    let so_far = answer.steps.iter().filter(|s| s.time <= step.time);
-                    let ways = so_far.map(|s| &s.displacements[place][..]);
-                    let ways: Vec<&[Vector]> = ways.collect();
-                    let forces = |gives_way: bool| {
-                        let of = (mesh, body, own);
-                        metal::internal(of, analysis, &ways, (least, gives_way))
-                    };
-                    let (inside, either) = forces(false);
-                    let other = either.then(|| forces(true).0);
-                    std::iter::once(inside).chain(other).collect()
-                }
-                None => vec![internal(mesh, body, analysis, moves, least)],
-            };
-            let there = body.more.from.is_none_or(|from| step.time >= from);
-            let mut outside = match there {
+        let mut smallest = f64::INFINITY;
+        for (place, (body, mesh)) in problem.bodies.iter().zip(&answer.meshes).enumerate() {
+            let moves = &step.displacements[place];
+            let mut outside = match body.there(step.time) {
                 true => external(mesh, body, analysis, step.time),
-                false => vec![[0.0; 2]; moves.len()],
+                false => vec![[0.0; D]; moves.len()],
             };
             let mut beds = bedded(mesh, body, analysis, moves);
             // a spring or bar along x at one of the nodes, whose other end is held
             if let Some(bar) = &body.more.bar {
-                let node = nearest(mesh, bar.at);
-                beds[node][0] -= tension(answer, step, state.rest.len(), bar);
+                beds[mesh.nearest(bar.at)][0] -= tension(answer, step, place, bar);
             }
             for (sum, &bed) in outside.iter_mut().zip(&beds) {
                 *sum = plus(*sum, 1.0, bed);
             }
+            // large displacements of other bodies leave rounding on a body that hardly moves
+            let inside = inside((problem, answer, step), place, 0.01 * largest);
             let rests = inside.into_iter().map(|inside| {
                 let forces = inside.forces.iter().zip(&outside);
-                let rest: Vec<Vector> = forces.map(|(&i, &o)| minus(i, o)).collect();
+                let rest: Vec<[f64; D]> = forces.map(|(&i, &o)| minus(i, o)).collect();
                 (rest, inside.magnitudes)
             });
-            let left = |rest: &[Vector]| rest.iter().map(|&f| length(f)).sum::<f64>();
+            let left = |rest: &[[f64; D]]| rest.iter().map(|&f| length(f)).sum::<f64>();
             let (rest, own_magnitudes) = rests
                 .min_by(|(a, _), (b, _)| left(a).total_cmp(&left(b)))
                 .unwrap_or_default();
-            let sizes = rest.iter().chain(&outside).map(|&f| length(f));
-            state.force = state.force.max(0.5 * sizes.sum::<f64>());
-            state.moves = moves.iter().fold(state.moves, |s, &u| s.max(length(u)));
+            state.force = state.force.max(0.5 * (left(&rest) + left(&outside)));
+            state.moves = state.moves.max(GIVEN * given(body, mesh));
             let (low, high) = bounds(&mesh.points);
-            // beside the displacement that the initial stress could cause
-            let stress = body.more.initial.as_ref().map_or(0.0, |stress| {
-                let at = |x: Vector| {
-                    stress
-                        .iter()
-                        .map(|s| s.at(x, 0.0).abs())
-                        .fold(0.0, f64::max)
-                };
-                at(low).max(at(high))
-            });
-            let could = stress / body.young * length(minus(high, low));
-            state.moves = state.moves.max(GIVEN * could);
-            let corner = low
-                .iter()
-                .chain(&high)
-                .fold(0.0, |s: f64, x| s.max(x.abs()));
-            state.size = state.size.max(corner);
+            let corners = low.iter().chain(&high);
+            state.size = corners.fold(state.size, |s: f64, x| s.max(x.abs()));
+            smallest = smallest.min(length(minus(high, low)));
             state.rest.push(rest);
             magnitudes.push(own_magnitudes);
-            state
-                .beds
-                .push(beds.iter().fold([0.0; 2], |s, &f| plus(s, 1.0, f)));
+            state.beds.push(sum(beds));
             let mut conditions = conditions(mesh, body, analysis, step.time);
-            conditions.extend(held_later(problem, answer, step, state.conditions.len()));
+            conditions.extend(held_later(problem, answer, step, place));
             state.held.push(held_axes(&conditions));
             state.conditions.push(conditions);
         }
@@ -173,32 +173,29 @@ impl State {
             if let Some(bar) = &body.more.bar
                 && let Some((other, _)) = &bar.to
             {
-                let pull = [tension(answer, step, place, bar), 0.0];
-                state.beds[place] = plus(state.beds[place], 1.0, pull);
+                let (tension, along) = (tension(answer, step, place, bar), axes()[0]);
                 let other = problem.body(other);
-                state.beds[other] = plus(state.beds[other], -1.0, pull);
+                state.beds[place] = plus(state.beds[place], tension, along);
+                state.beds[other] = plus(state.beds[other], -tension, along);
             }
         }
-        for (place, contact) in problem.contacts.iter().enumerate() {
-            if let crate::problem::Against::Obstacle {
-                drive: crate::problem::Drive::Displacement(field),
+        for contact in &problem.contacts {
+            if let Against::Obstacle {
+                drive: Drive::Displacement(field),
                 ..
             } = &contact.against
             {
-                let moved = crate::amount::vector_at(field, [0.0; 2], step.time);
-                debug_assert!(place < step.contacts.len());
-                state.moves = state.moves.max(length(moved));
+                let moved = length(vector_at(field, [0.0; D], step.time));
+                state.moves = state.moves.max(moved);
             }
         }
         // without pressure, forces are rounding of the forces that such displacements could cause
-        let softest = problem
-            .bodies
-            .iter()
-            .map(Body::plane_modulus)
-            .fold(f64::INFINITY, f64::min);
-        let deep = match analysis.axisymmetric() {
-            true => std::f64::consts::TAU * state.size,
-            false => problem.bodies[0].thickness,
+        let moduli = problem.bodies.iter().map(Body::plane_modulus);
+        let softest = moduli.fold(f64::INFINITY, f64::min);
+        let deep = match analysis {
+            Analysis::Space => smallest,
+            Analysis::Axisymmetric => TAU * state.size,
+            _ => problem.bodies[0].thickness,
         };
         state.force = state.force.max(SLENDER * softest * state.moves * deep);
         let rounding = ROUNDINGS * f64::EPSILON / 2.0;
@@ -211,7 +208,7 @@ impl State {
     }
 
     /// The known part of the force on a node: without the directions that supports hold.
-    pub fn free(&self, body: usize, node: usize, force: Vector) -> Vector {
+    pub fn free(&self, body: usize, node: usize, force: [f64; D]) -> [f64; D] {
         free_part(force, self.held[body].get(&node))
     }
 

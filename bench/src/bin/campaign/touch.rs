@@ -5,161 +5,153 @@
 //! ```
 //!
 //! linearised about the undeformed state, n the outward normal of the nonmortar side, against a plane obstacle minus the
-//! plane's. g₀ is s between the meshes, or between the true circles behind them, or zero, or given.
+//! plane's. g₀ is s between the meshes, or between the true surfaces behind them, or zero, or given.
+//! Facets are cut into the parts that face the other side along lines ([`lines`](crate::lines)) or over areas
+//! ([`polygons`](crate::polygons)).
 
-use crate::cells::gauss;
+use crate::amount::vector_at;
+use crate::cells::{Kind, Place};
+use crate::dimension::Dimension;
 use crate::elastic::depth;
-use crate::plane::{Vector, cross, dot, length, minus, plus, times, turned};
 use crate::problem::{Against, Contact, Drive, Gap, Law, Pairing, Problem, Surface};
-use crate::raw::{self, Answer, Mesh};
-use crate::side::{Curve, OPPOSED, on_circle};
+use crate::raw::{self, Answer, Mesh, Row};
+use crate::side::{At, Hit, SHARP, Skin};
+use crate::vector::{across, dot, length, minus, plus, sum, times, unit};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Points of a facet, beside its nodes, at which gaps are looked at.
-const POINTS: usize = 20;
 
 /// Two nodes coincide within this part of the facets there.
 const COINCIDENT: f64 = 1e-6;
 
+/// Sweeps over the faces of a corner: they meet at 30° and more, so that each leaves three quarters of an error at most.
+const SWEEPS: usize = 200;
+
 /// A point of the nonmortar side and its opposite point.
 #[derive(Debug, Clone)]
-pub struct Sample {
+pub struct Sample<const D: usize> {
     /// A facet that it lies on.
     pub facet: usize,
-    pub x: Vector,
+    pub x: [f64; D],
     /// Contact normal.
-    pub normal: Vector,
+    pub normal: [f64; D],
     /// Shape functions of the own nodes.
     pub own: Vec<(usize, f64)>,
     /// Shape functions of the other side's nodes; empty against an obstacle.
     pub other: Vec<(usize, f64)>,
-    /// Distance along the normal.
-    distance: f64,
+    /// Distance along the normal between the sides in the meshes.
+    pub distance: f64,
     /// Smooth part of the other side.
     pub sheet: usize,
-    /// −s·ω of the opposite facet, as coefficients of its nodes' displacements: the tangential displacement due to the rigid
-    /// continuation of the other side from y to x.
-    lever: Vec<(usize, Vector)>,
+    /// Normal of the opposite facet, and s·∇N of its nodes: the rigid continuation of the other side from y to x.
+    lever: ([f64; D], Vec<(usize, [f64; D])>),
 }
 
-impl Sample {
-    fn new(facet: usize, x: Vector, own: Vec<(usize, f64)>, opposite: Opposite) -> Self {
-        Self {
-            facet,
-            x,
-            normal: opposite.normal,
-            own,
-            other: opposite.shape,
-            distance: opposite.distance,
-            sheet: opposite.sheet,
-            lever: opposite.lever,
-        }
-    }
-}
-
-/// The opposite point of a point.
-struct Opposite {
-    /// Contact normal.
-    normal: Vector,
-    distance: f64,
-    /// Smooth part of the other side.
-    sheet: usize,
-    /// Shape functions of the other side.
-    shape: Vec<(usize, f64)>,
-    lever: Vec<(usize, Vector)>,
+/// The parts of a side that face the other side.
+#[derive(Debug, Default)]
+pub struct Facing<const D: usize> {
+    /// Facets that face something, with the facets that they face.
+    pub seen: BTreeSet<(usize, Option<usize>)>,
+    /// Facets beside those may face something between the points that were looked at.
+    pub sampled: bool,
+    /// Points between the nodes.
+    pub between: Vec<Sample<D>>,
+    /// The area of all parts, where it is known.
+    pub area: Option<f64>,
+    /// Points with contact normals: pushes anywhere are sums of pushes at these. Empty where only points were looked at.
+    pub points: Vec<([f64; D], [f64; D])>,
 }
 
 /// A contact, seen in the undeformed state.
 #[derive(Debug)]
-pub struct Touch<'a> {
-    pub contact: &'a Contact,
+pub struct Touch<'a, const D: usize> {
+    pub contact: &'a Contact<D>,
     /// Body of the nonmortar side.
     pub own: usize,
     /// Body of the other side.
     pub other: Option<usize>,
-    pub curve: Curve,
-    pub opposite: Option<Curve>,
+    pub skin: Skin<D>,
+    pub opposite: Option<Skin<D>>,
     /// Coincident nodes, or an obstacle at nodes: conditions hold node by node.
     pub nodal: bool,
     /// Coincident node of the other side.
     pub partners: BTreeMap<usize, usize>,
-    /// Parts of facets that face something.
-    pub facing: Vec<(usize, [f64; 2])>,
+    /// All facets of both sides are plane with straight edges.
+    pub exact: bool,
+    pub facing: Facing<D>,
+    /// Facets that face something.
+    near: BTreeSet<usize>,
     /// Nodes with a facet that faces something.
     pub faced: BTreeSet<usize>,
     pub faced_other: BTreeSet<usize>,
-    /// Samples at nodes of the nonmortar side.
-    pub at_nodes: BTreeMap<usize, Sample>,
+    /// Samples at nodes of the nonmortar side, one for each smooth part of the side.
+    pub at_nodes: BTreeMap<usize, Vec<Sample<D>>>,
     /// Nodes that meet an obstacle between the faces of a sharp corner.
     pub met: BTreeSet<usize>,
-    /// Samples between the nodes.
-    pub between: Vec<Sample>,
-    /// Nodes at which the normal of a row disagrees with that of the side.
-    pub wrong_normals: Vec<usize>,
+    /// Nodes whose facets face several smooth parts of the other side, each with a condition of its own: no condition belongs to the
+    /// opposite point of the node alone.
+    pub mixed: BTreeSet<usize>,
 }
 
-impl<'a> Touch<'a> {
+impl<'a, const D: usize> Touch<'a, D>
+where
+    Problem<D>: Dimension<D>,
+{
     /// A contact between the meshes of an answer; the rows tell which side is the nonmortar one.
     pub fn new(
-        problem: &'a Problem,
-        contact: &'a Contact,
-        answer: &Answer,
-        raw: &raw::Contact,
+        problem: &'a Problem<D>,
+        contact: &'a Contact<D>,
+        answer: &Answer<D>,
+        raw: &raw::Contact<D>,
     ) -> Self {
         let (own, side) = (raw.nonmortar.0, &raw.nonmortar.1);
-        let curve_of = |body: usize, side: &str| {
-            Curve::new(&answer.meshes[body], side, &problem.bodies[body].circles)
+        let skin_of = |body: usize, side: &str| {
+            let mut surfaces = problem.bodies[body].surfaces.iter();
+            let surface = surfaces.find(|(name, _)| name == side);
+            Skin::new(&answer.meshes[body], side, surface.map(|s| s.1.clone()))
         };
-        let mut curve = curve_of(own, side);
         let other = match &contact.against {
             Against::Obstacle { .. } => None,
             Against::Side { side: second, .. } => {
                 let first = &contact.own;
-                let is_first = problem.bodies[own].name == first.body
-                    && crate::corners::whole(side) == first.side;
+                let is_first = problem.bodies[own].name == first.body && *side == first.side;
                 let mortar = if is_first { second } else { first };
-                Some((problem.body(&mortar.body), mortar.side.clone()))
+                Some((problem.body(&mortar.body), &mortar.side))
             }
         };
-        let opposite = other.as_ref().map(|(body, side)| curve_of(*body, side));
-        let mut wrong_normals = Vec::new();
-        let plane = matches!(
-            &contact.against,
-            Against::Obstacle {
-                surface: Surface::Plane { .. },
-                ..
-            }
-        );
-        if !plane && !curve.straight() {
-            for row in &raw.rows {
-                if !curve.believe_normal(row.node, row.normal) {
-                    wrong_normals.push(row.node);
-                }
-            }
-        }
+        let opposite = other.map(|(body, side)| skin_of(body, side));
         let mut touch = Self {
             contact,
             own,
             other: other.map(|(body, _)| body),
-            curve,
+            skin: skin_of(own, side),
             opposite,
             nodal: false,
             partners: BTreeMap::new(),
-            facing: Vec::new(),
+            exact: false,
+            facing: Facing::default(),
+            near: BTreeSet::new(),
             faced: BTreeSet::new(),
             faced_other: BTreeSet::new(),
             at_nodes: BTreeMap::new(),
             met: BTreeSet::new(),
-            between: Vec::new(),
-            wrong_normals,
+            mixed: BTreeSet::new(),
         };
+        let flat = |skin: &Skin<D>| skin.flat() && skin.straight;
+        touch.exact = flat(&touch.skin)
+            && match &contact.against {
+                Against::Side { .. } => touch.opposite.as_ref().is_some_and(flat),
+                Against::Obstacle { surface, .. } => surface.bent().is_none(),
+            };
         touch.find_partners(answer);
-        touch.find_facing();
+        touch.facing = problem.facing(&touch);
+        touch.find_faced();
         touch.decide_pairing(problem);
-        touch.find_samples(&answer.meshes[own], crate::corners::whole(side));
+        touch.find_at_nodes(&answer.meshes[own]);
+        touch.find_mixed();
         touch
     }
+}
 
+impl<const D: usize> Touch<'_, D> {
     /// Largest depth in the search for overlaps: small for lists of sides, so that the search does not pass through a whole body from
     /// a flank that has sunk a little beside a corner.
     fn deepest(&self) -> f64 {
@@ -169,16 +161,16 @@ impl<'a> Touch<'a> {
         } else {
             1.0
         };
-        part * self.curve.longest.max(other)
+        part * self.skin.longest.max(other)
     }
 
-    fn find_partners(&mut self, answer: &Answer) {
+    fn find_partners(&mut self, answer: &Answer<D>) {
         let (Some(other), Some(opposite)) = (self.other, &self.opposite) else {
             return;
         };
         let (mine, theirs) = (&answer.meshes[self.own], &answer.meshes[other]);
-        for (&node, facets) in &self.curve.around {
-            let lengths = facets.iter().map(|&f| self.curve.facets[f].length);
+        for (&node, facets) in &self.skin.around {
+            let lengths = facets.iter().map(|&f| self.skin.facets[f].longest());
             let limit = COINCIDENT * lengths.fold(f64::INFINITY, f64::min);
             let x = mine.points[node];
             let near = |n: &&usize| length(minus(theirs.points[**n], x)) <= limit;
@@ -188,233 +180,248 @@ impl<'a> Touch<'a> {
         }
     }
 
-    /// The opposite point of ξ on a facet: contact normal, distance, and the other side's shape functions.
-    fn opposite_at(&self, facet: usize, xi: f64) -> Option<Opposite> {
-        let x = self.curve.facets[facet].point(xi);
-        let n = self.curve.normal(facet, xi);
-        match &self.contact.against {
-            Against::Side { .. } => {
-                let opposite = self.opposite.as_ref()?;
-                let hit = opposite.hit(x, n, self.deepest())?;
-                let y = plus(x, hit.distance, n);
-                let distance =
-                    hit.distance + opposite.true_offset(y, n) - self.curve.true_offset(x, n);
-                let other = &opposite.facets[hit.facet];
-                let turn = other.rotation(hit.xi);
-                let lever = turn
-                    .into_iter()
-                    .map(|(node, c)| (node, times(-hit.distance, c)));
-                Some(Opposite {
-                    normal: n,
-                    distance,
-                    sheet: opposite.sheets[hit.facet],
-                    shape: other.shape(hit.xi),
-                    lever: lever.collect(),
-                })
-            }
-            Against::Obstacle { surface, .. } => from_obstacle(surface, x, n),
+    /// Contact normal and distance of the opposite point of a point of a facet, and where it lies on the other side.
+    fn opposite(&self, facet: usize, at: &At<D>) -> Option<([f64; D], f64, Option<Hit>)> {
+        let n = self.skin.normal(facet, at);
+        if let Against::Obstacle { surface, .. } = &self.contact.against {
+            let (normal, distance) = surface.opposite(at.x, n)?;
+            return Some((normal, distance, None));
         }
+        let hit = self.opposite.as_ref()?.hit(at.x, n, self.deepest())?;
+        Some((n, hit.distance, Some(hit)))
     }
 
-    /// Cuts every facet where the opposite facet may change, and keeps the parts that face the other side.
-    fn find_facing(&mut self) {
-        let mut facing = Vec::new();
-        for index in 0..self.curve.facets.len() {
-            let mut cuts = self.cuts(index);
-            cuts.sort_by(f64::total_cmp);
-            cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-            let parts: Vec<[f64; 2]> = cuts.windows(2).map(|c| [c[0], c[1]]).collect();
-            let faces: Vec<bool> = parts
-                .iter()
-                .map(|c| self.opposite_at(index, 0.5 * (c[0] + c[1])).is_some())
-                .collect();
-            for (part, [from, to]) in parts.iter().enumerate().filter(|(p, _)| faces[*p]) {
-                let (mut from, mut to) = (*from, *to);
-                if part > 0 && !faces[part - 1] {
-                    from = self.edge(index, 0.5 * (parts[part - 1][0] + from), 0.5 * (from + to));
-                }
-                if part + 1 < parts.len() && !faces[part + 1] {
-                    to = self.edge(index, 0.5 * (to + parts[part + 1][1]), 0.5 * (from + to));
-                }
-                facing.push((index, [from, to]));
-            }
-        }
-        for &(index, [from, to]) in &facing {
-            self.faced.extend(&self.curve.facets[index].nodes);
-            for part in [0.25, 0.5, 0.75] {
-                if let Some(found) = self.opposite_at(index, from + part * (to - from)) {
-                    self.faced_other
-                        .extend(found.shape.iter().map(|(node, _)| node));
-                }
-            }
-        }
-        self.facing = facing;
+    /// Whether a point of a facet faces the other side.
+    pub fn faces(&self, facet: usize, xi: Place) -> bool {
+        let at = self.skin.facets[facet].at(xi);
+        self.opposite(facet, &at).is_some()
     }
 
-    /// Where lines along the normals meet ends of the other side's facets; ends and a few places between.
-    fn cuts(&self, index: usize) -> Vec<f64> {
-        let facet = &self.curve.facets[index];
-        let even = (0..=8).map(|k| -1.0 + 0.25 * f64::from(k));
-        let mut cuts: Vec<f64> = even.collect();
-        let Some(opposite) = &self.opposite else {
-            return cuts;
+    /// The sample of a point of a facet, and the opposite facet.
+    pub fn look(&self, facet: usize, at: &At<D>) -> Option<(Sample<D>, Option<usize>)> {
+        let (normal, distance, hit) = self.opposite(facet, at)?;
+        let mut sample = Sample {
+            facet,
+            x: at.x,
+            normal,
+            own: at.shape_of(&self.skin.facets[facet].nodes),
+            other: Vec::new(),
+            distance,
+            sheet: 0,
+            lever: ([0.0; D], Vec::new()),
         };
-        let ends = opposite
-            .facets
-            .iter()
-            .flat_map(|f| [f.point(-1.0), f.point(1.0)]);
-        for y in ends {
-            let across = |xi: f64| cross(self.curve.normal(index, xi), minus(y, facet.point(xi)));
-            let (mut low, mut high) = (-1.0, 1.0);
-            let (at_low, at_high) = (across(low), across(high));
-            if at_low * at_high >= 0.0 {
-                continue;
-            }
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                if (across(middle) < 0.0) == (at_low < 0.0) {
-                    low = middle;
-                } else {
-                    high = middle;
-                }
-            }
-            cuts.push(0.5 * (low + high));
-        }
-        cuts
+        let (Some(hit), Some(opposite)) = (hit, &self.opposite) else {
+            return Some((sample, None));
+        };
+        let other = &opposite.facets[hit.facet];
+        let there = other.at(hit.xi);
+        sample.distance +=
+            opposite.true_offset(there.x, normal) - self.skin.true_offset(at.x, normal);
+        sample.sheet = opposite.sheets[hit.facet];
+        sample.other = there.shape_of(&other.nodes);
+        let slopes = there.gradients().into_iter();
+        let slopes = slopes.map(|g| times(hit.distance, g));
+        let lever = other.nodes.iter().copied().zip(slopes).collect();
+        sample.lever = (unit(there.normal), lever);
+        Some((sample, Some(hit.facet)))
     }
 
-    /// Where facing begins between a place that does not face anything and one that does.
-    fn edge(&self, index: usize, mut alone: f64, mut faces: f64) -> f64 {
-        for _ in 0..50 {
-            let middle = 0.5 * (alone + faces);
-            if self.opposite_at(index, middle).is_some() {
-                faces = middle;
-            } else {
-                alone = middle;
+    /// Facets and nodes that face the other side.
+    fn find_faced(&mut self) {
+        let seen = &self.facing.seen;
+        let mut near: BTreeSet<usize> = seen.iter().map(|s| s.0).collect();
+        let mut near_other: BTreeSet<usize> = seen.iter().filter_map(|s| s.1).collect();
+        if self.facing.sampled {
+            near = beside(&self.skin, &near);
+            if let Some(opposite) = &self.opposite {
+                near_other = beside(opposite, &near_other);
             }
         }
-        faces
+        let nodes = |skin: &Skin<D>, facets: &BTreeSet<usize>| {
+            let nodes = facets.iter().flat_map(|&f| skin.facets[f].nodes.clone());
+            nodes.collect::<BTreeSet<usize>>()
+        };
+        self.faced = nodes(&self.skin, &near);
+        if let Some(opposite) = &self.opposite {
+            self.faced_other = nodes(opposite, &near_other);
+        }
+        self.near = near;
     }
 
-    /// Node by node where an obstacle is touched, or where all nodes of all facets that face the other side coincide.
-    fn decide_pairing(&mut self, problem: &Problem) {
-        if self.contact.pairing == Pairing::Mortar {
-            return;
-        }
-        // a quadratic facet that ends on the axis of revolution has no weight there
+    /// Node by node where an obstacle is touched, or where all facets that face each other have the same nodes; weights of
+    /// corners of tri6 and quad8 are not positive, and that of the end of a parabola on the axis of revolution is zero.
+    fn decide_pairing(&mut self, problem: &Problem<D>) {
+        let facets = &self.skin.facets;
+        let negative = |kind: Kind| matches!(kind, Kind::Tri6 | Kind::Quad8);
         let on_axis = problem.analysis.axisymmetric()
-            && self.curve.facets.iter().any(|f| {
-                f.nodes.len() == 3
-                    && (f.point(-1.0)[0].abs() < 1e-9 || f.point(1.0)[0].abs() < 1e-9)
+            && facets.iter().any(|f| {
+                let at_axis = |x: &[f64; D]| x[0].abs() < 1e-9;
+                f.kind == Kind::Line3 && f.corners().iter().any(at_axis)
             });
-        let Some(opposite) = &self.opposite else {
-            self.nodal = !on_axis;
-            return;
-        };
-        let paired: BTreeSet<usize> = self.partners.values().copied().collect();
-        let own = self.facing.iter().all(|&(index, _)| {
-            let nodes = &self.curve.facets[index].nodes;
-            nodes.iter().all(|n| self.partners.contains_key(n))
-        });
-        let others = opposite.facets.iter().filter(|f| {
-            // facets whose middle is opposite something
-            let ends = [f.nodes[0], f.nodes[1]];
-            ends.iter().all(|n| self.faced_other.contains(n))
-        });
-        let theirs = others
-            .into_iter()
-            .all(|f| f.nodes.iter().all(|n| paired.contains(n)));
-        // a quadratic facet over two linear ones has their nodes without being one of them
-        let known: BTreeSet<BTreeSet<usize>> = opposite
-            .facets
-            .iter()
-            .map(|f| f.nodes.iter().copied().collect())
-            .collect();
-        let alike = self.facing.iter().all(|&(index, _)| {
-            let nodes = self.curve.facets[index].nodes.iter();
+        let same = |&(own, other): &(usize, Option<usize>)| {
+            let (Some(other), Some(opposite)) = (other, &self.opposite) else {
+                return true;
+            };
+            let nodes = facets[own].nodes.iter();
             let partners: Option<BTreeSet<usize>> =
                 nodes.map(|n| self.partners.get(n).copied()).collect();
-            partners.is_some_and(|nodes| known.contains(&nodes))
-        });
-        self.nodal = own && theirs && alike && !on_axis;
+            let theirs = opposite.facets[other].nodes.iter().copied().collect();
+            partners.is_some_and(|partners| partners == theirs)
+        };
+        self.nodal = self.contact.pairing != Pairing::Mortar
+            && !on_axis
+            && !facets.iter().any(|f| negative(f.kind))
+            && self.facing.seen.iter().all(same);
     }
 
-    fn find_samples(&mut self, mesh: &Mesh, whole: &str) {
-        let nodes: Vec<usize> = self.curve.around.keys().copied().collect();
-        for node in nodes {
-            let side = &mesh.sides[whole];
-            let met = crate::corners::met(self.contact, mesh, side, node);
-            if !self.faced.contains(&node) && met.is_none() {
+    fn find_at_nodes(&mut self, mesh: &Mesh<D>) {
+        for (&node, around) in &self.skin.around {
+            let x = mesh.points[node];
+            if let Some(way) = self.met_at_corner(node, x) {
+                let found = self.beyond(around[0], node, x, way);
+                self.met.insert(node);
+                self.at_nodes.insert(node, found.into_iter().collect());
                 continue;
             }
-            let normal = self.curve.normal_at(node);
-            let x = mesh.points[node];
-            let facet = self.curve.around[&node][0];
-            let found = match (&self.opposite, &self.contact.against) {
-                (Some(_), _) if self.nodal => self.partners.get(&node).map(|&partner| {
-                    let opposite = Opposite {
-                        normal,
-                        distance: 0.0,
-                        sheet: 0,
-                        shape: vec![(partner, 1.0)],
-                        lever: Vec::new(),
-                    };
-                    (facet, opposite)
-                }),
-                (Some(_), _) => self.curve.around[&node].iter().find_map(|&f| {
-                    let place = self.curve.facets[f].nodes.iter().position(|&n| n == node)?;
-                    Some((f, self.opposite_at(f, [-1.0, 1.0, 0.0][place])?))
-                }),
-                (None, Against::Obstacle { surface, .. }) => {
-                    self.met.extend(met.map(|_| node));
-                    let towards = met.unwrap_or(normal);
-                    from_obstacle(surface, x, towards).map(|opposite| (facet, opposite))
-                }
-                _ => None,
-            };
-            if let Some((facet, opposite)) = found {
-                let own = vec![(node, 1.0)];
-                self.at_nodes
-                    .insert(node, Sample::new(facet, x, own, opposite));
-            }
-        }
-        for (index, facet) in self.curve.facets.iter().enumerate() {
-            for k in 0..POINTS {
-                let xi = -1.0 + 2.0 * (k as f64 + 0.5) / POINTS as f64;
-                if let Some(opposite) = self.opposite_at(index, xi) {
-                    let (x, own) = (facet.point(xi), facet.shape(xi));
-                    self.between.push(Sample::new(index, x, own, opposite));
-                }
+            let groups = self.skin.groups(node).into_iter();
+            let near = groups.filter(|group| group.iter().any(|f| self.near.contains(f)));
+            let found: Vec<Sample<D>> = near
+                .filter_map(|group| self.at_node(node, x, &group))
+                .collect();
+            if !found.is_empty() {
+                self.at_nodes.insert(node, found);
             }
         }
     }
 
-    /// The facets around a node face several smooth parts of the other side, each with a condition of its own: no condition belongs to
-    /// the opposite point of the node alone.
-    pub fn mixed(&self, node: usize) -> bool {
-        let around = self.curve.around.get(&node);
-        let around: Vec<usize> = around.into_iter().flatten().copied().collect();
-        let samples = self.between.iter().filter(|s| around.contains(&s.facet));
-        let mut sheets: Vec<usize> = samples.map(|s| s.sheet).collect();
-        sheets.sort_unstable();
-        sheets.dedup();
-        !self.nodal && self.opposite.is_some() && sheets.len() > 1
+    /// The sample of a node as a point of some of the facets around it.
+    fn at_node(&self, node: usize, x: [f64; D], facets: &[usize]) -> Option<Sample<D>> {
+        if matches!(self.contact.against, Against::Obstacle { .. }) {
+            let normal = self.skin.mean_normal(facets, node);
+            return self.beyond(facets[0], node, x, normal);
+        }
+        if !self.nodal {
+            return facets.iter().find_map(|&f| {
+                let at = self.skin.facets[f].at(self.skin.facets[f].place(node)?);
+                self.look(f, &at).map(|(sample, _)| sample)
+            });
+        }
+        self.partners.get(&node).map(|&partner| Sample {
+            facet: facets[0],
+            x,
+            normal: self.skin.mean_normal(facets, node),
+            own: vec![(node, 1.0)],
+            other: vec![(partner, 1.0)],
+            distance: 0.0,
+            sheet: 0,
+            lever: ([0.0; D], Vec::new()),
+        })
     }
 
-    /// The distance between the sides in the meshes.
-    pub fn drawn(&self, sample: &Sample) -> f64 {
-        sample.distance
+    /// The sample of a node against an obstacle, along a normal.
+    fn beyond(
+        &self,
+        facet: usize,
+        node: usize,
+        x: [f64; D],
+        normal: [f64; D],
+    ) -> Option<Sample<D>> {
+        let Against::Obstacle { surface, .. } = &self.contact.against else {
+            return None;
+        };
+        let (normal, distance) = surface.opposite(x, normal)?;
+        Some(Sample {
+            facet,
+            x,
+            normal,
+            own: vec![(node, 1.0)],
+            other: Vec::new(),
+            distance,
+            sheet: 0,
+            lever: ([0.0; D], Vec::new()),
+        })
+    }
+
+    /// The direction along which a sharp corner meets an obstacle: the direction in the cone of the normals of its faces that is
+    /// nearest to the shortest way to the obstacle. `None` if that is the normal of one face.
+    fn met_at_corner(&self, node: usize, x: [f64; D]) -> Option<[f64; D]> {
+        let Against::Obstacle { surface, .. } = &self.contact.against else {
+            return None;
+        };
+        let integrated = self.contact.pairing == Pairing::Mortar;
+        if integrated || self.contact.law == Law::Tied || matches!(surface, Surface::Gap(_)) {
+            return None;
+        }
+        let faces: Vec<[f64; D]> = self.skin.normals_at(node).collect();
+        if !apart(&faces) {
+            return None;
+        }
+        let way = surface.way(x);
+        // the weights of the faces in turn, until their sum has converged
+        let mut weights = vec![0.0; faces.len()];
+        let mut rest = way;
+        for _ in 0..SWEEPS {
+            for (weight, &face) in weights.iter_mut().zip(&faces) {
+                let raised = (*weight + dot(rest, face)).max(0.0);
+                rest = plus(rest, *weight - raised, face);
+                *weight = raised;
+            }
+        }
+        let several = weights.iter().filter(|&&w| w > 1e-9).count() > 1;
+        several.then(|| unit(minus(way, rest)))
+    }
+
+    /// The facets around its node that a row belongs to, and its sample. At a sharp corner these are some of the facets: those whose
+    /// mean normal fits that of the row best.
+    pub fn of_row(&self, row: &Row<D>) -> Option<(Vec<usize>, Sample<D>)> {
+        let samples = self.at_nodes.get(&row.node)?;
+        let around = self.skin.around(row.node);
+        if self.met.contains(&row.node) || !self.skin.sharp(row.node) {
+            return Some((around.to_vec(), samples.first()?.clone()));
+        }
+        let mut best: (f64, Vec<usize>) = (f64::NEG_INFINITY, Vec::new());
+        for some in 1..1usize << around.len() {
+            let own = around.iter().enumerate();
+            let own = own.filter(|(k, _)| some >> k & 1 == 1);
+            let own: Vec<usize> = own.map(|(_, &facet)| facet).collect();
+            let fit = dot(self.skin.mean_normal(&own, row.node), row.normal);
+            let (known, facets) = &best;
+            if fit > known + 1e-9 || (fit > known - 1e-9 && own.len() > facets.len()) {
+                best = (fit, own);
+            }
+        }
+        let facets = best.1;
+        let sample = self.at_node(row.node, samples.first()?.x, &facets)?;
+        Some((facets, sample))
+    }
+
+    fn find_mixed(&mut self) {
+        let Some(_) = self.opposite.as_ref().filter(|_| !self.nodal) else {
+            return;
+        };
+        let mut sheets: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        for sample in &self.facing.between {
+            for node in &self.skin.facets[sample.facet].nodes {
+                sheets.entry(*node).or_default().insert(sample.sheet);
+            }
+        }
+        let several = sheets.into_iter().filter(|(_, sheets)| sheets.len() > 1);
+        self.mixed = several.map(|(node, _)| node).collect();
+    }
+
+    /// Samples at nodes and between them.
+    pub fn samples(&self) -> impl Iterator<Item = &Sample<D>> {
+        let at_nodes = self.at_nodes.values().flatten();
+        self.facing.between.iter().chain(at_nodes)
     }
 
     /// The initial gap at a sample.
-    pub fn clearance(&self, sample: &Sample, t: f64) -> f64 {
+    pub fn clearance(&self, sample: &Sample<D>, t: f64) -> f64 {
         let measured = match &self.contact.gap {
             Gap::Given(gap) => return gap.at(sample.x, t),
             Gap::Closed => false,
             Gap::Geometric => true,
-            Gap::Default => {
-                self.other.is_none() || !(self.nodal || matches!(self.contact.law, Law::Tied))
-            }
+            Gap::Default => self.other.is_none() || !(self.nodal || self.contact.law == Law::Tied),
         };
         match &self.contact.against {
             Against::Obstacle {
@@ -427,31 +434,50 @@ impl<'a> Touch<'a> {
     }
 
     /// Displacement of the other side relative to the own one at a sample; `obstacle` is that of the obstacle.
-    pub fn jump(&self, sample: &Sample, moves: &[Vec<Vector>], obstacle: Vector) -> Vector {
-        let sum = |body: usize, shape: &[(usize, f64)]| {
-            shape
-                .iter()
-                .fold([0.0; 2], |s, &(n, v)| plus(s, v, moves[body][n]))
+    pub fn jump(
+        &self,
+        sample: &Sample<D>,
+        moves: &[Vec<[f64; D]>],
+        obstacle: [f64; D],
+    ) -> [f64; D] {
+        let mean = |body: usize, shape: &[(usize, f64)]| {
+            sum(shape.iter().map(|&(n, v)| times(v, moves[body][n])))
         };
-        let other = self.other.map_or(obstacle, |body| sum(body, &sample.other));
-        minus(other, sum(self.own, &sample.own))
+        let other = self
+            .other
+            .map_or(obstacle, |body| mean(body, &sample.other));
+        minus(other, mean(self.own, &sample.own))
     }
 
-    /// Displacement of the own side along the tangent, relative to the rigid continuation of the other side.
-    pub fn slip(&self, sample: &Sample, moves: &[Vec<Vector>], obstacle: Vector) -> f64 {
-        let along = dot(turned(sample.normal), self.jump(sample, moves, obstacle));
-        let turn =
-            |&(node, c): &(usize, Vector)| self.other.map_or(0.0, |b| dot(c, moves[b][node]));
-        -along - sample.lever.iter().map(turn).sum::<f64>()
+    /// Displacement of the own side along the surface, relative to the rigid continuation of the other side.
+    pub fn slip(
+        &self,
+        sample: &Sample<D>,
+        moves: &[Vec<[f64; D]>],
+        obstacle: [f64; D],
+    ) -> [f64; D] {
+        let jump = self.jump(sample, moves, obstacle);
+        let (normal, lever) = &sample.lever;
+        let turned = lever.iter().map(|&(node, slope)| {
+            let moved = self.other.map_or(obstacle, |body| moves[body][node]);
+            times(dot(*normal, moved), slope)
+        });
+        across(minus(sum(turned), jump), sample.normal)
     }
 
     /// The gap after deformation.
-    pub fn gap(&self, sample: &Sample, moves: &[Vec<Vector>], obstacle: Vector, t: f64) -> f64 {
+    pub fn gap(
+        &self,
+        sample: &Sample<D>,
+        moves: &[Vec<[f64; D]>],
+        obstacle: [f64; D],
+        t: f64,
+    ) -> f64 {
         self.clearance(sample, t) + dot(sample.normal, self.jump(sample, moves, obstacle))
     }
 
     /// Prescribed displacement of the obstacle; `None` where a force moves it.
-    pub fn driven(&self, t: f64) -> Option<Vector> {
+    pub fn driven(&self, t: f64) -> Option<[f64; D]> {
         match &self.contact.against {
             Against::Obstacle {
                 drive: Drive::Force(_),
@@ -460,111 +486,71 @@ impl<'a> Touch<'a> {
             Against::Obstacle {
                 drive: Drive::Displacement(field),
                 ..
-            } => Some(crate::amount::vector_at(field, [0.0; 2], t)),
-            _ => Some([0.0; 2]),
+            } => Some(vector_at(field, [0.0; D], t)),
+            _ => Some([0.0; D]),
         }
     }
 
-    /// ∫N at the nodes over the facets that face something with all their nodes: weights of conditions node by node.
-    pub fn weights(&self, problem: &Problem) -> BTreeMap<usize, f64> {
+    /// ∫N at the nodes of facets that face something with all their nodes: weights of conditions node by node.
+    pub fn weights(&self, problem: &Problem<D>) -> BTreeMap<(usize, usize), f64> {
         let body = &problem.bodies[self.own];
         let mut weights = BTreeMap::new();
-        for (index, facet) in self.curve.facets.iter().enumerate() {
-            let counts = match &self.opposite {
-                Some(_) => facet.nodes.iter().all(|n| self.partners.contains_key(n)),
-                None => [-1.0, 1.0].iter().zip(&facet.nodes).all(|(&xi, node)| {
-                    self.met.contains(node) || self.opposite_at(index, xi).is_some()
-                }),
+        for (index, facet) in self.skin.facets.iter().enumerate() {
+            let counts = |node: &usize| match &self.opposite {
+                Some(_) => self.partners.contains_key(node),
+                None => {
+                    let place = facet.place(*node);
+                    self.met.contains(node) || place.is_some_and(|xi| self.faces(index, xi))
+                }
             };
-            if !counts {
+            if !facet.nodes.iter().all(counts) {
                 continue;
             }
-            for (xi, weight) in gauss(6) {
-                let area = weight
-                    * length(facet.tangent(xi))
-                    * depth(body, problem.analysis, facet.point(xi));
-                for (node, n) in facet.shape(xi) {
-                    *weights.entry(node).or_insert(0.0) += n * area;
+            for (xi, weight) in facet.rule() {
+                let at = facet.at(xi);
+                let area = weight * length(at.normal) * depth(body, problem.analysis, at.x);
+                for (node, n) in at.shape_of(&facet.nodes) {
+                    *weights.entry((node, index)).or_insert(0.0) += n * area;
                 }
             }
         }
         weights
     }
 
-    /// Area of the side that faces something.
-    pub fn facing_area(&self, problem: &Problem) -> f64 {
-        let body = &problem.bodies[self.own];
-        let mut area = 0.0;
-        for &(index, [from, to]) in &self.facing {
-            let facet = &self.curve.facets[index];
-            for (x, weight) in gauss(5) {
-                let xi = 0.5 * (from + to) + 0.5 * (to - from) * x;
-                let stretch = 0.5 * (to - from) * length(facet.tangent(xi));
-                area += weight * stretch * depth(body, problem.analysis, facet.point(xi));
-            }
+    /// Points that face the other side with the contact normals there.
+    pub fn facing_points(&self) -> Vec<([f64; D], [f64; D])> {
+        if !self.facing.points.is_empty() || self.facing.area.is_some() {
+            return self.facing.points.clone();
         }
-        area
+        let samples = self.samples().map(|s| (s.x, s.normal));
+        let corners = self
+            .at_nodes
+            .iter()
+            .filter(|(node, _)| self.skin.sharp(**node));
+        let faces = corners.flat_map(|(&node, samples)| {
+            let around = self.skin.around(node).iter();
+            let x = samples.first().map(|s| s.x);
+            let all = around.filter_map(move |&f| self.at_node(node, x?, &[f]));
+            all.map(|s| (s.x, s.normal))
+        });
+        samples.chain(faces).collect()
     }
 }
 
-/// Whether a point with this outward normal faces an obstacle.
-pub fn faces_obstacle(surface: &Surface, x: Vector, n: Vector) -> bool {
-    from_obstacle(surface, x, n).is_some()
-}
-
-/// Contact normal and distance of an obstacle's surface from a point with this outward normal.
-fn from_obstacle(surface: &Surface, x: Vector, n: Vector) -> Option<Opposite> {
-    let (normal, distance) = match surface {
-        Surface::Gap(_) => Some((n, 0.0)),
-        Surface::Plane { point, normal } => (dot(n, *normal) < OPPOSED)
-            .then(|| (times(-1.0, *normal), dot(minus(x, *point), *normal))),
-        Surface::Circle {
-            center,
-            radius,
-            inside,
-        } => {
-            let faces = |s: &f64| {
-                let outward = crate::plane::unit(minus(plus(x, *s, n), *center));
-                let towards_body = if *inside {
-                    times(-1.0, outward)
-                } else {
-                    outward
-                };
-                dot(towards_body, n) < OPPOSED
-            };
-            // a point away from the obstacle has none of its surface behind it
-            let clear = (length(minus(x, *center)) - radius) * if *inside { -1.0 } else { 1.0 };
-            let ahead = |s: &f64| *s >= 0.0 || clear < 1e-12 * radius;
-            let hits = on_circle(x, n, *center, *radius)?;
-            let facing = hits.into_iter().filter(ahead).filter(faces);
-            let nearest = facing.min_by(|a, b| a.abs().total_cmp(&b.abs()))?;
-            Some((n, nearest))
+/// Whether some of these normals are separated from the others by sharp edges only.
+fn apart<const D: usize>(faces: &[[f64; D]]) -> bool {
+    let mut reached = vec![false; faces.len()];
+    for _ in faces {
+        for k in 0..faces.len() {
+            let near = |j: usize| reached[j] && dot(faces[j], faces[k]) > SHARP;
+            reached[k] = reached[k] || k == 0 || (0..faces.len()).any(near);
         }
-    }?;
-    Some(Opposite {
-        normal,
-        distance,
-        sheet: 0,
-        shape: Vec::new(),
-        lever: Vec::new(),
-    })
-}
-
-impl Touch<'_> {
-    /// Points that face the other side, ends of the facing parts included, with contact normals.
-    pub fn facing_points(&self) -> Vec<(Vector, Vector)> {
-        let mut points = Vec::new();
-        for &(index, [from, to]) in &self.facing {
-            for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
-                let inside = from + (0.5 + (part - 0.5) * (1.0 - 1e-9)) * (to - from);
-                if let Some(Opposite { normal, .. }) = self.opposite_at(index, inside) {
-                    points.push((
-                        self.curve.facets[index].point(from + part * (to - from)),
-                        normal,
-                    ));
-                }
-            }
-        }
-        points
     }
+    reached.contains(&false)
+}
+
+/// These facets, and all that share a node with one of them.
+fn beside<const D: usize>(skin: &Skin<D>, facets: &BTreeSet<usize>) -> BTreeSet<usize> {
+    let nodes = facets.iter().flat_map(|&f| &skin.facets[f].nodes);
+    nodes.flat_map(|n| skin.around[n].iter().copied()).collect()
 }

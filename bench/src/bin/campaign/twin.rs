@@ -1,13 +1,14 @@
 //! An equivalent problem, and the difference of its displacements from those of the original.
 
-use crate::raw::{Answer, Step};
-use crate::run::Problem;
-use crate::vector::{applied, bounds, length, minus, times, transposed};
+use crate::elastic::fully_held;
+use crate::problem::Problem;
+use crate::raw::{Answer, Mesh, Step};
+use crate::vector::{applied, bounds, length, minus, times, transposed, without_motion};
 
 /// A twin, and the map of its answer to that of the original.
-pub struct Twin<P, const D: usize> {
+pub struct Twin<const D: usize> {
     pub name: &'static str,
-    pub problem: P,
+    pub problem: Problem<D>,
     pub lengths: f64,
     /// Rows of the rotation that carries the original onto it.
     pub turn: [[f64; D]; D],
@@ -23,11 +24,11 @@ const DUST: f64 = 1e-9;
 /// The largest difference of the displacements of two answers in any step, relative to the largest displacement.
 ///
 /// `None` where nodes of the twin cannot be found.
-pub fn difference<P: Problem<D>, const D: usize>(
-    problem: &P,
-    answer: &Answer<D, P::Kind>,
-    twin: &Twin<P, D>,
-    other: &Answer<D, P::Kind>,
+pub fn difference<const D: usize>(
+    problem: &Problem<D>,
+    answer: &Answer<D>,
+    twin: &Twin<D>,
+    other: &Answer<D>,
 ) -> Option<f64> {
     let mut worst: f64 = 0.0;
     let largest = |step: &Step<D>| {
@@ -50,7 +51,7 @@ pub fn difference<P: Problem<D>, const D: usize>(
                 .zip(&found)
                 .map(|(&u, &v)| minus(v, u))
                 .collect();
-            let rest = problem.determined(b, mesh, differences);
+            let rest = determined(problem, b, mesh, differences);
             off = rest.iter().fold(off, |s, &d| s.max(length(d)));
         }
         if largest > 0.0 {
@@ -60,12 +61,27 @@ pub fn difference<P: Problem<D>, const D: usize>(
     Some(worst)
 }
 
+/// Displacements of a body without the undetermined rigid motion.
+fn determined<const D: usize>(
+    problem: &Problem<D>,
+    body: usize,
+    mesh: &Mesh<D>,
+    moves: Vec<[f64; D]>,
+) -> Vec<[f64; D]> {
+    let (analysis, start) = (problem.analysis, problem.times[0]);
+    if fully_held(mesh, &problem.bodies[body], analysis, start) {
+        moves
+    } else {
+        without_motion(&mesh.points, &moves, analysis.axisymmetric())
+    }
+}
+
 /// Displacements of a body of the original from the answer of a twin, at the original's nodes and in its units.
-fn found<P, K, const D: usize>(
+fn found<const D: usize>(
     points: &[[f64; D]],
     parts: &[usize],
-    other: &Answer<D, K>,
-    twin: &Twin<P, D>,
+    other: &Answer<D>,
+    twin: &Twin<D>,
     step: &Step<D>,
 ) -> Option<Vec<[f64; D]>> {
     let home = transposed(twin.turn);

@@ -8,239 +8,37 @@
 //! | split | a rectangle cut in two that are glued node by node | everything, 1e-6 |
 //! | sides | nonmortar and mortar swapped | everything where nodes coincide, 1e-6; else the resolution of the mesh |
 //!
+//! In space one twin is turned, in other units and in another order at once, and may have its sides swapped.
 //! "Everything" is the unique part: displacements without the rigid motion of each body that supports leave free, relative to
 //! the largest of them. With Coulomb friction answers need not be unique; a difference is reported, but is not a finding.
 
-use crate::amount::carried_vector;
-use crate::cells::Kind;
-use crate::elastic::conditions;
-use crate::held::held_axes;
-use crate::plane::{Vector, cross, length, minus, rotated, rotation, times};
+use crate::carry::Carry;
+use crate::check::all_nodal;
+use crate::dimension::Dimension;
+use crate::plane::rotation;
 use crate::problem::{
-    Against, Body, Circle, Contact, Drive, Gap, Law, Load, Place, Problem, Shape, Side, Support,
-    Surface,
+    Against, Body, Contact, Gap, Law, Load, Pairing, Place, Problem, Shape, Side, Support,
 };
 use crate::random::Random;
 use crate::raw::{Answer, Mesh};
+use crate::twin::Twin;
+use crate::vector::{axes, minus, random_rotation, unit};
 
-/// A twin of a problem of the plane.
-type Twin = crate::twin::Twin<Problem, 2>;
-
-/// A problem in other units and turned by an angle about the origin; `None` if the mesh generator cannot turn a body.
-pub fn carried(problem: &Problem, lengths: f64, forces: f64, angle: f64) -> Option<Problem> {
-    let stress = forces / (lengths * lengths);
-    let place = |x: Vector| times(lengths, rotated(x, angle));
-    let mut twin = problem.clone();
-    twin.uniform = problem
-        .uniform
-        .as_ref()
-        .map(|p| p.carried(stress, lengths, angle));
-    if let Some(other) = &mut twin.other {
-        other.problem = carried(&other.problem, lengths, forces, angle)?;
+/// A twin with the same bodies.
+fn same<const D: usize>(name: &'static str, original: &Problem<D>, problem: Problem<D>) -> Twin<D> {
+    Twin {
+        name,
+        parts: (0..original.bodies.len()).map(|b| vec![b]).collect(),
+        problem,
+        lengths: 1.0,
+        turn: axes(),
+        tolerance: 1e-6,
     }
-    // the mesh of a region depends on rounding where distances between points are equal
-    if twin.drawing.is_some() || (angle != 0.0 && !twin.sections.is_empty()) {
-        return None;
-    }
-    for section in &mut twin.sections {
-        section.stations.iter_mut().for_each(|x| *x = place(*x));
-    }
-    for body in &mut twin.bodies {
-        body.young *= stress;
-        for spring in &mut body.more.springs {
-            spring.normal *= stress / lengths;
-            spring.tangential *= stress / lengths;
-        }
-        if let Some(couple) = &mut body.more.couple {
-            couple.point = place(couple.point);
-            couple.area *= lengths * lengths;
-        }
-        if let Some(bar) = &mut body.more.bar {
-            if angle != 0.0 {
-                return None;
-            }
-            (bar.at, bar.stiffness) = (place(bar.at), bar.stiffness * stress * lengths);
-            let forces = stress * lengths * lengths;
-            if let Some(most) = bar.gives.as_mut().and_then(|gives| gives.most.as_mut()) {
-                *most *= forces;
-            }
-            bar.to = bar.to.take().map(|(body, to)| (body, place(to)));
-        }
-        if let Some(metal) = &mut body.more.metal {
-            (metal.yields, metal.hardening) = (metal.yields * stress, metal.hardening * stress);
-        }
-        if let Some(beyond) = &mut body.more.beyond {
-            (beyond.border, beyond.young) = (beyond.border * lengths, beyond.young * stress);
-        }
-        if let Some(initial) = &mut body.more.initial {
-            // the components would have to be turned, too
-            if angle != 0.0 {
-                return None;
-            }
-            for component in initial {
-                *component = component.carried(stress, lengths, angle);
-            }
-        }
-        if !problem.analysis.axisymmetric() {
-            body.thickness *= lengths;
-        }
-        body.weight = carried_vector(&body.weight, stress / lengths, lengths, angle);
-        let supports = body
-            .supports
-            .iter()
-            .map(|s| carried_support(s, lengths, angle));
-        body.supports = supports.collect::<Option<_>>()?;
-        for load in &mut body.loads {
-            match load {
-                Load::Traction { field, .. } => {
-                    *field = carried_vector(field, stress, lengths, angle);
-                }
-                Load::Pressure { field, .. } => *field = field.carried(stress, lengths, angle),
-                Load::InSitu { factor, .. } => *factor = factor.carried(1.0, lengths, angle),
-                Load::Force { point, field } => {
-                    *point = place(*point);
-                    *field = carried_vector(field, forces, lengths, angle);
-                }
-            }
-        }
-        for circle in &mut body.circles {
-            *circle = Circle {
-                side: circle.side.clone(),
-                center: place(circle.center),
-                radius: circle.radius * lengths,
-            };
-        }
-        carry_shape(body, lengths, angle)?;
-    }
-    for contact in &mut twin.contacts {
-        if let Gap::Given(gap) = &mut contact.gap {
-            *gap = gap.carried(lengths, lengths, angle);
-        }
-        match &mut contact.law {
-            Law::Tresca(bound) => *bound = bound.carried(stress, lengths, angle),
-            Law::Coulomb(coefficient) => *coefficient = coefficient.carried(1.0, lengths, angle),
-            Law::Joint {
-                cohesion, tension, ..
-            } => (*cohesion, *tension) = (*cohesion * stress, *tension * stress),
-            _ => {}
-        }
-        if let Against::Obstacle { surface, drive } = &mut contact.against {
-            match surface {
-                Surface::Gap(gap) => *gap = gap.carried(lengths, lengths, angle),
-                Surface::Plane { point, normal } => {
-                    (*point, *normal) = (place(*point), rotated(*normal, angle));
-                }
-                Surface::Circle { center, radius, .. } => {
-                    (*center, *radius) = (place(*center), *radius * lengths);
-                }
-            }
-            match drive {
-                Drive::Nothing => {}
-                Drive::Displacement(field) => {
-                    *field = carried_vector(field, lengths, lengths, angle);
-                }
-                Drive::Force(field) => *field = carried_vector(field, forces, lengths, angle),
-            }
-        }
-    }
-    Some(twin)
-}
-
-/// A support in the turned problem; one axis alone can only be turned onto another axis.
-fn carried_support(support: &Support, lengths: f64, angle: f64) -> Option<Support> {
-    let place = match &support.place {
-        Place::Side(side) => Place::Side(side.clone()),
-        Place::Point(x) => Place::Point(times(lengths, rotated(*x, angle))),
-    };
-    let normal = support
-        .normal
-        .as_ref()
-        .map(|n| n.carried(lengths, lengths, angle));
-    let axes = match &support.axes {
-        [None, None] => [None, None],
-        [Some(x), Some(y)] => {
-            carried_vector(&[x.clone(), y.clone()], lengths, lengths, angle).map(Some)
-        }
-        one => {
-            let (axis, value) = match one {
-                [Some(x), _] => (0, x),
-                [_, Some(y)] => (1, y),
-                _ => return None,
-            };
-            let direction = rotated([[1.0, 0.0], [0.0, 1.0]][axis], angle);
-            let place = direction.iter().position(|c| c.abs() == 1.0)?;
-            let mut axes = [None, None];
-            axes[place] = Some(value.carried(lengths * direction[place], lengths, angle));
-            axes
-        }
-    };
-    Some(Support {
-        place,
-        axes,
-        normal,
-        from: support.from,
-    })
-}
-
-fn carry_shape(body: &mut Body, lengths: f64, angle: f64) -> Option<()> {
-    let place = |x: Vector| times(lengths, rotated(x, angle));
-    let straight = angle == 0.0;
-    for patch in &mut body.patches {
-        if !straight {
-            return None;
-        }
-        (patch.low, patch.high) = (place(patch.low), place(patch.high));
-    }
-    match &mut body.shape {
-        Shape::Rectangle { from, to, .. } => {
-            if !straight {
-                return None;
-            }
-            (*from, *to) = (place(*from), place(*to));
-        }
-        Shape::Ring {
-            center,
-            radii,
-            angles,
-            ..
-        } => {
-            *center = place(*center);
-            *radii = radii.map(|r| r * lengths);
-            if !straight {
-                if angles.is_none() {
-                    return None;
-                }
-                *angles = angles.map(|a| a.map(|a| a + angle.to_degrees()));
-            }
-        }
-        Shape::Outline { size, from, edges } => {
-            (*size, *from) = (*size * lengths, place(*from));
-            for edge in edges {
-                edge.to = place(edge.to);
-                edge.center = edge.center.map(place);
-            }
-        }
-        Shape::Disc {
-            size,
-            center,
-            radius,
-            ..
-        } => {
-            if !straight {
-                return None;
-            }
-            (*size, *center, *radius) = (*size * lengths, place(*center), *radius * lengths);
-        }
-        Shape::File { .. } => return None,
-        Shape::Region(_) if straight => {}
-        Shape::Region(_) => return None,
-    }
-    Some(())
 }
 
 /// The problem turned by an angle, its meshes as files. Supports of one axis become rollers where their side looks along that
 /// axis; where there are others, the angle is a multiple of 90°.
-fn turned(problem: &Problem, answer: &Answer, random: &mut Random) -> Option<Twin> {
+fn turned(problem: &Problem, answer: &Answer, random: &mut Random) -> Option<Twin<2>> {
     if problem.analysis.axisymmetric() {
         return None;
     }
@@ -257,29 +55,11 @@ fn turned(problem: &Problem, answer: &Answer, random: &mut Random) -> Option<Twi
         plain = problem.clone();
         std::f64::consts::FRAC_PI_2 * random.count(1, 3) as f64
     };
-    for (body, mesh) in plain.bodies.iter_mut().zip(&answer.meshes) {
-        body.patches.clear();
-        body.shape = Shape::Outline {
-            size: 1.0,
-            from: [0.0; 2],
-            edges: Vec::new(),
-        };
-        let _ = mesh;
-    }
-    let mut twin = carried(&plain, 1.0, 1.0, angle)?;
-    for (body, mesh) in twin.bodies.iter_mut().zip(&answer.meshes) {
-        body.shape = Shape::File {
-            name: format!("{}.msh", body.name),
-            text: gmsh(mesh, angle),
-        };
-    }
+    let carry = Carry::turn(rotation(angle));
+    let twin = carry.problem(&plain, Some(&answer.meshes))?;
     Some(Twin {
-        name: "turned",
-        parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
-        problem: twin,
-        lengths: 1.0,
-        turn: rotation(angle),
-        tolerance: 1e-6,
+        turn: carry.turn,
+        ..same("turned", problem, twin)
     })
 }
 
@@ -293,9 +73,9 @@ fn as_roller(support: &mut Support, mesh: &Mesh) -> bool {
     let Place::Side(side) = &support.place else {
         return false;
     };
-    let normals = mesh.sides[side].iter().map(|facet| {
+    let normals = mesh.side(side).map(|facet| {
         let along = minus(mesh.points[facet[1]], mesh.points[facet[0]]);
-        crate::plane::unit([along[1], -along[0]])
+        unit([along[1], -along[0]])
     });
     let mut sign = 0.0;
     for normal in normals {
@@ -309,68 +89,39 @@ fn as_roller(support: &mut Support, mesh: &Mesh) -> bool {
     true
 }
 
-/// A mesh file, its nodes turned.
-pub fn gmsh(mesh: &Mesh, angle: f64) -> String {
-    let points: Vec<[f64; 3]> = mesh
-        .points
-        .iter()
-        .map(|&x| {
-            let [x, y] = rotated(x, angle);
-            [x, y, 0.0]
-        })
-        .collect();
-    let cell = |(kind, nodes): &(Kind, Vec<usize>)| (kind.gmsh(), nodes.clone());
-    let cells: Vec<_> = mesh.cells.iter().map(cell).collect();
-    let facet = |nodes: &Vec<usize>| (if nodes.len() == 2 { 1 } else { 8 }, nodes.clone());
-    let side = |(name, facets): (&String, &Vec<Vec<usize>>)| {
-        (name.clone(), facets.iter().map(facet).collect())
-    };
-    crate::gmsh::text(2, &points, &cells, &mesh.sides.iter().map(side).collect())
-}
-
 /// The bodies and contacts in another order.
-fn reordered(problem: &Problem, random: &mut Random) -> Twin {
-    let mut order: Vec<usize> = (0..problem.bodies.len()).collect();
+fn reordered<const D: usize>(twin: Twin<D>, random: &mut Random) -> Twin<D> {
+    let bodies = &twin.problem.bodies;
+    let mut order: Vec<usize> = (0..bodies.len()).collect();
     random.shuffle(&mut order);
-    let mut twin = problem.clone();
-    twin.bodies = order.iter().map(|&b| problem.bodies[b].clone()).collect();
-    random.shuffle(&mut twin.contacts);
+    let mut problem = twin.problem.clone();
+    problem.bodies = order.iter().map(|&b| bodies[b].clone()).collect();
+    random.shuffle(&mut problem.contacts);
     let place = |b: usize| order.iter().position(|&o| o == b).unwrap_or(b);
     Twin {
-        name: "order",
+        problem,
         parts: (0..order.len()).map(|b| vec![place(b)]).collect(),
-        problem: twin,
-        lengths: 1.0,
-        turn: rotation(0.0),
-        tolerance: 1e-6,
+        ..twin
     }
 }
 
-/// Nonmortar and mortar sides swapped.
-fn swapped(problem: &Problem) -> Option<Twin> {
-    let mut twin = problem.clone();
+/// Nonmortar and mortar sides swapped; whether there are any.
+fn swap<const D: usize>(problem: &mut Problem<D>) -> bool {
     let mut any = false;
-    for contact in &mut twin.contacts {
+    for contact in &mut problem.contacts {
         if let Against::Side { side, .. } = &mut contact.against {
             std::mem::swap(&mut contact.own, side);
             any = true;
         }
     }
-    any.then(|| Twin {
-        name: "sides",
-        parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
-        problem: twin,
-        lengths: 1.0,
-        turn: rotation(0.0),
-        tolerance: 1e-6,
-    })
+    any
 }
 
 /// A rectangle cut along x or y and glued, where the cut meets no contact side and no patch.
-fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
+fn split(problem: &Problem, random: &mut Random) -> Option<Twin<2>> {
     let mut candidates = Vec::new();
     for (b, body) in problem.bodies.iter().enumerate() {
-        let Shape::Rectangle { cells, .. } = &body.shape else {
+        let Shape::Block { cells, .. } = &body.shape else {
             continue;
         };
         for axis in 0..2 {
@@ -408,7 +159,7 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
     }
     let (b, axis) = random.pick(&candidates);
     let body = &problem.bodies[b];
-    let Shape::Rectangle {
+    let Shape::Block {
         from,
         to,
         cells,
@@ -433,7 +184,7 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
         }
         let mut half = body.clone();
         half.name = format!("{}_{}", body.name, if low { "a" } else { "b" });
-        half.shape = Shape::Rectangle {
+        half.shape = Shape::Block {
             from,
             to,
             cells,
@@ -443,11 +194,7 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
         let gone = [["right", "top"], ["left", "bottom"]][usize::from(!low)][axis];
         half.supports
             .retain(|s| s.place != Place::Side(gone.to_string()));
-        half.loads.retain(|load| match load {
-            Load::Traction { side, .. } | Load::Pressure { side, .. } => side != gone,
-            Load::InSitu { side, .. } => side != gone,
-            Load::Force { .. } => true,
-        });
+        half.loads.retain(|load| load.side() != Some(gone));
         half
     };
     let mut twin = problem.clone();
@@ -479,19 +226,15 @@ fn split(problem: &Problem, random: &mut Random) -> Option<Twin> {
             side: crate::problem::side(&names[1], meet[1]),
             chosen: false,
         },
-        pairing: crate::problem::Pairing::Default,
+        pairing: Pairing::Default,
         gap: Gap::Default,
         law: Law::Tied,
     });
     let mut parts: Vec<Vec<usize>> = (0..problem.bodies.len()).map(|b| vec![b]).collect();
     parts[b].push(problem.bodies.len());
     Some(Twin {
-        name: "split",
-        problem: twin,
-        lengths: 1.0,
-        turn: rotation(0.0),
         parts,
-        tolerance: 1e-6,
+        ..same("split", problem, twin)
     })
 }
 
@@ -502,21 +245,16 @@ fn touches(problem: &Problem, body: &str, name: &str) -> bool {
     })
 }
 
-/// Some twins of a problem.
-pub fn twins(problem: &Problem, answer: &Answer, random: &mut Random) -> Vec<Twin> {
-    let mut all = Vec::new();
+/// Some twins of a problem of the plane.
+pub fn of_plane(problem: &Problem, answer: &Answer, random: &mut Random) -> Vec<Twin<2>> {
     if let Some(other) = &problem.other {
-        all.push(Twin {
-            name: other.name,
-            problem: other.problem.clone(),
-            lengths: 1.0,
-            turn: rotation(0.0),
+        return vec![Twin {
             parts: other.parts.clone(),
             tolerance: other.tolerance,
-        });
-        return all;
+            ..same(other.name, problem, other.problem.clone())
+        }];
     }
-    match random.count(0, 4) {
+    let twin = match random.count(0, 4) {
         0 => {
             let forces = random.magnitude(1e-6, 1e6);
             // rounding in the mesh generator depends on the lengths: scaling by powers of two is exact
@@ -526,54 +264,59 @@ pub fn twins(problem: &Problem, answer: &Answer, random: &mut Random) -> Vec<Twi
             } else {
                 random.magnitude(1e-6, 1e6)
             };
-            all.extend(carried(problem, lengths, forces, 0.0).map(|twin| Twin {
-                name: "units",
-                problem: twin,
+            let twin = Carry::units(lengths, forces).problem(problem, None);
+            twin.map(|twin| Twin {
                 lengths,
-                turn: rotation(0.0),
-                parts: (0..problem.bodies.len()).map(|b| vec![b]).collect(),
-                tolerance: 1e-6,
-            }));
+                ..same("units", problem, twin)
+            })
         }
-        1 => all.extend(turned(problem, answer, random)),
-        2 => all.push(reordered(problem, random)),
-        3 => all.extend(split(problem, random)),
-        _ => all.extend(swapped(problem)),
-    }
-    all
+        1 => turned(problem, answer, random),
+        2 => Some(reordered(same("order", problem, problem.clone()), random)),
+        3 => split(problem, random),
+        _ => {
+            let mut twin = problem.clone();
+            swap(&mut twin).then(|| same("sides", problem, twin))
+        }
+    };
+    twin.into_iter().collect()
 }
 
-/// Supports alone leave a body no rigid motion.
-pub fn fully_held(problem: &Problem, body: usize, mesh: &Mesh) -> bool {
-    let axes = held_axes(&conditions(
-        mesh,
-        &problem.bodies[body],
-        problem.analysis,
-        problem.times[0],
-    ));
-    if problem.analysis.axisymmetric() {
-        return axes.values().flatten().any(|a| a[1].abs() > 0.5);
+/// The twin of a problem of space: turned, in other units, bodies and contacts in another order; or with the two sides of each
+/// contact swapped, too.
+pub fn of_space(problem: &Problem<3>, answer: &Answer<3>, random: &mut Random) -> Vec<Twin<3>> {
+    let carry = Carry {
+        turn: random_rotation(random),
+        lengths: random.magnitude(1e-3, 1e3),
+        forces: random.magnitude(1e-3, 1e3),
+        shift: [0.0; 3],
+    };
+    let Some(carried) = carry.problem(problem, Some(&answer.meshes)) else {
+        return Vec::new();
+    };
+    let mut twin = reordered(same("turned", problem, carried), random);
+    (twin.lengths, twin.turn) = (carry.lengths, carry.turn);
+    if random.chance(0.3) {
+        swap(&mut twin.problem);
+        twin.name = "sides";
     }
-    // rows (axis, moment of the axis): three independent ones
-    let mut basis: Vec<[f64; 3]> = Vec::new();
-    let (low, high) = crate::plane::bounds(&mesh.points);
-    let (middle, size) = (
-        times(0.5, crate::plane::plus(low, 1.0, high)),
-        length(minus(high, low)),
-    );
-    for (&node, held) in &axes {
-        for &axis in held {
-            let arm = times(1.0 / size, minus(mesh.points[node], middle));
-            let mut row = [axis[0], axis[1], cross(arm, axis)];
-            for q in &basis {
-                let part: f64 = q.iter().zip(&row).map(|(a, b)| a * b).sum();
-                row.iter_mut().zip(q).for_each(|(r, q)| *r -= part * q);
-            }
-            let norm = row.iter().map(|r| r * r).sum::<f64>().sqrt();
-            if norm > 1e-6 {
-                basis.push(row.map(|r| r / norm));
-            }
-        }
+    vec![twin]
+}
+
+/// Whether the answer of this kind of twin must be the same.
+pub fn unique<const D: usize>(problem: &Problem<D>, answer: &Answer<D>, twin: &str) -> bool
+where
+    Problem<D>: Dimension<D>,
+{
+    // if nothing moves in any step, displacements are only rounding
+    if (1..=problem.times.len()).all(|step| problem.idle.contains(&step)) {
+        return false;
     }
-    basis.len() == 3
+    // these twins only rewrite the same history
+    let same = matches!(twin, "no stage" | "resumed");
+    // plastic flow without hardening is not unique
+    let mut metals = problem.bodies.iter().filter_map(|b| b.more.metal.as_ref());
+    (same || !problem.coulomb())
+        && metals.all(|metal| metal.hardening > 0.0)
+        && !problem.spins
+        && (twin != "sides" || all_nodal(problem, answer))
 }

@@ -5,23 +5,24 @@
 //! (force, moment about the middle of the cluster) must lie in the cone of wrenches
 //!
 //! ```text
-//!   (f, (x − c) × f),    f = −n ± μt at points x that face the other side, n the contact normal
+//!   (f, (x − c) × f),    f = −n + μt at points x that face the other side, n the contact normal, t a tangent
 //! ```
 //!
-//! (with the opposite sign on the other body). A block whose load tips it over its edge, or slides it, fails here whatever
-//! rows say. On curved sides directions may be off by the angle between facets, because forces act along a field of normals
-//! between nodes; there the cone is widened by that angle.
+//! (with the opposite sign on the other body). A body whose load tips it over an edge or slides it fails here whatever rows
+//! say. On curved sides directions may be off by the angle between facets, because forces act along a field of normals between
+//! nodes, and between the points that are looked at: there the cone is widened by that angle.
 
+use crate::amount::vector_at;
 use crate::check::View;
-use crate::cone::distance;
+use crate::cone::{EDGES, cone, distance};
 use crate::judgement::Judgement;
-use crate::plane::{Vector, cross, dot, length, minus, plus, rotated, times, turned};
 use crate::problem::{Against, Drive, Law};
 use crate::rows::force;
 use crate::state::FORCE;
+use crate::vector::{axes, bounds, cross, dot, length, minus, plus, tangents, times, unit};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Wrenches outside the cone by less than this part of Σ|force|·length are inside: the ends of the facing part are found
+/// Wrenches outside the cone by less than this part of Σ|force|·length count as inside: the ends of the facing part are found
 /// to 1e-9 of a facet, and forces are right to 1e-7.
 const OUTSIDE: f64 = 1e-6;
 
@@ -33,36 +34,27 @@ struct Cluster {
 }
 
 /// The true force on a cluster with its moment about a point, and the tolerance of both.
-struct Wrench {
-    force: Vector,
-    moment: f64,
-    /// Directions in which no node is held: the force is known in these.
-    directions: Vec<Vector>,
-    /// No node is held: the moment is known, too.
-    free: bool,
+struct Wrench<const D: usize> {
+    force: [f64; D],
+    moment: [f64; 3],
+    /// Directions in which no node is held: the force is known in these. If all are free, the moment is known, too.
+    directions: Vec<[f64; D]>,
     /// Σ|force|.
     magnitude: f64,
     /// Half the extent.
     arm: f64,
-    centre: Vector,
+    centre: [f64; D],
     slack: f64,
 }
 
-fn clusters(view: &View<'_>) -> Vec<Cluster> {
+fn clusters<const D: usize>(view: &View<'_, D>) -> Vec<Cluster> {
     let mut all: Vec<Cluster> = Vec::new();
-    for (c, touch) in view.touches.iter().enumerate() {
-        let sides = [
-            (Some(touch.own), Some(&touch.curve)),
-            (touch.other, touch.opposite.as_ref()),
-        ];
-        for (body, curve) in sides {
-            let (Some(body), Some(curve)) = (body, curve) else {
-                continue;
-            };
+    for c in 0..view.touches.len() {
+        for (body, skin, _) in view.sides(c) {
             let mut cluster = Cluster {
                 body,
                 contacts: vec![c],
-                nodes: curve.around.keys().copied().collect(),
+                nodes: skin.around.keys().copied().collect(),
             };
             let (joined, apart): (Vec<Cluster>, Vec<Cluster>) = all
                 .into_iter()
@@ -78,131 +70,161 @@ fn clusters(view: &View<'_>) -> Vec<Cluster> {
     all
 }
 
-/// The wrench of the true forces on a cluster; `None` where supports hold nodes in both directions.
-fn wrench(view: &View<'_>, cluster: &Cluster) -> Option<Wrench> {
+fn wrench<const D: usize>(view: &View<'_, D>, cluster: &Cluster) -> Wrench<D> {
     let body = cluster.body;
     let points = &view.answer.meshes[body].points;
-    let places: Vec<Vector> = cluster.nodes.iter().map(|&n| points[n]).collect();
-    let (low, high) = crate::plane::bounds(&places);
-    let centre = times(0.5, plus(low, 1.0, high));
-    let mut held: Vec<Vector> = Vec::new();
-    for node in &cluster.nodes {
-        for &axis in view.state.held[body].get(node).into_iter().flatten() {
-            if held.iter().all(|&h| cross(h, axis).abs() > 1e-9) {
-                held.push(axis);
-            }
+    let places: Vec<[f64; D]> = cluster.nodes.iter().map(|&n| points[n]).collect();
+    let (low, high) = bounds(&places);
+    let held = cluster
+        .nodes
+        .iter()
+        .filter_map(|n| view.state.held[body].get(n));
+    // radial forces sum to zero around the axis
+    let radial = view.problem.analysis.axisymmetric().then_some(axes()[0]);
+    let held = held.flatten().copied().chain(radial);
+    // orthonormal: first the held directions, then the others
+    let mut basis: Vec<[f64; D]> = Vec::new();
+    let mut free = Vec::new();
+    let all = held.map(|axis| (axis, false));
+    for (axis, is_free) in all.chain(axes().map(|axis| (axis, true))) {
+        let rest = basis.iter().fold(axis, |r, &q| plus(r, -dot(r, q), q));
+        if length(rest) > 1e-6 {
+            let rest = unit(rest);
+            basis.push(rest);
+            free.extend(is_free.then_some(rest));
         }
     }
-    // radial forces sum to zero around the axis
-    let radial = [1.0, 0.0];
-    if view.problem.analysis.axisymmetric() && held.iter().all(|&h| cross(h, radial).abs() > 1e-9) {
-        held.push(radial);
-    }
     let mut found = Wrench {
-        force: [0.0; 2],
-        moment: 0.0,
-        directions: match held[..] {
-            [] => vec![[1.0, 0.0], [0.0, 1.0]],
-            [axis] => vec![turned(axis)],
-            _ => return None,
-        },
-        free: held.is_empty(),
+        force: [0.0; D],
+        moment: [0.0; 3],
+        directions: free,
         magnitude: 0.0,
         arm: 0.5 * length(minus(high, low)),
-        centre,
+        centre: times(0.5, plus(low, 1.0, high)),
         slack: 0.0,
     };
     for &node in &cluster.nodes {
         let force = view.state.rest[body][node];
+        let arm = minus(points[node], found.centre);
         found.force = plus(found.force, 1.0, force);
-        found.moment += cross(minus(points[node], centre), force);
+        found.moment = plus(found.moment, 1.0, cross(arm, force));
         found.magnitude += length(view.state.free(body, node, force));
         found.slack += view.state.limits[body][node];
     }
-    Some(found)
+    found
+}
+
+impl<const D: usize> Wrench<D> {
+    fn free(&self) -> bool {
+        self.directions.len() == D
+    }
+
+    /// Compares a force with the reported one, in the directions in which it is known.
+    fn compare(
+        &self,
+        judgement: &mut Judgement,
+        what: &'static str,
+        told: [f64; D],
+        limit: f64,
+        place: impl Fn() -> String,
+    ) {
+        for &direction in &self.directions {
+            let off = dot(direction, minus(self.force, told)).abs();
+            judgement.compare(what, off, limit, &place);
+        }
+    }
 }
 
 /// All checks of resultants.
-pub fn check_wrenches(judgement: &mut Judgement, view: &View<'_>) {
-    let mut single: BTreeMap<usize, Vec<Wrench>> = BTreeMap::new();
+pub fn check_wrenches<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
+    let mut single: BTreeMap<usize, Vec<Wrench<D>>> = BTreeMap::new();
     for cluster in &clusters(view) {
-        let Some(found) = wrench(view, cluster) else {
-            continue;
-        };
+        let found = wrench(view, cluster);
+        let place = || places(view, cluster);
         check_sum(judgement, view, cluster, &found);
         check_footprint(judgement, view, cluster, &found);
         if let [c] = cluster.contacts[..] {
             if view.touches[c].own == cluster.body {
-                let told = view.step.contacts[c].resultant;
-                compare_forces(judgement, "resultant", &found, told, || {
-                    places(view, cluster)
-                });
+                let told = &view.step.contacts[c];
+                let limit = 10.0 * found.slack;
+                found.compare(judgement, "resultant", told.resultant, limit, place);
+                if found.free() {
+                    let moment = plus(found.moment, 1.0, cross(found.centre, found.force));
+                    let off = length(minus(moment, told.moment));
+                    let arm = found.arm + length(found.centre);
+                    judgement.compare("resultant", off, limit * arm, place);
+                }
             }
             single.entry(c).or_default().push(found);
         }
     }
     for (c, sides) in single {
-        match &sides[..] {
-            [own, other] => check_reaction(judgement, view, c, own, other),
-            [own] => check_obstacle(judgement, view, c, own),
+        let contact = view.touches[c].contact;
+        let place = || format!("contact {}", contact.name);
+        match (&sides[..], &contact.against) {
+            ([own, other], _) => check_reaction(judgement, own, other, place),
+            (
+                [own],
+                Against::Obstacle {
+                    drive: Drive::Force(field),
+                    ..
+                },
+            ) => {
+                let carried = vector_at(field, [0.0; D], view.step.time);
+                own.compare(judgement, "obstacle", carried, 10.0 * own.slack, place);
+            }
             _ => {}
         }
     }
 }
 
-/// Compares a force with the reported one, in the directions in which it is known.
-fn compare_forces(
+/// Forces and moments of both sides of a contact sum to zero.
+fn check_reaction<const D: usize>(
     judgement: &mut Judgement,
-    what: &'static str,
-    found: &Wrench,
-    told: Vector,
+    own: &Wrench<D>,
+    other: &Wrench<D>,
     place: impl Fn() -> String,
 ) {
-    for &direction in &found.directions {
-        let off = dot(direction, minus(found.force, told)).abs();
-        judgement.compare(what, off, 10.0 * found.slack, &place);
-    }
-}
-
-/// Forces and moments of both sides of a contact sum to zero.
-fn check_reaction(
-    judgement: &mut Judgement,
-    view: &View<'_>,
-    c: usize,
-    own: &Wrench,
-    other: &Wrench,
-) {
-    let place = || format!("contact {}", view.touches[c].contact.name);
     let limit = 10.0 * (own.slack + other.slack);
     let sum = plus(own.force, 1.0, other.force);
-    let known = |d: &&Vector| other.directions.iter().any(|e| cross(**d, *e).abs() < 1e-9);
-    for &direction in own.directions.iter().filter(known) {
-        judgement.compare("act and react", dot(direction, sum).abs(), limit, place);
+    // directions known on both sides: free here, without the held directions there
+    for &direction in &own.directions {
+        let known = |&d: &[f64; D]| dot(d, direction).abs() > 1.0 - 1e-9;
+        if other.free() || other.directions.iter().any(known) {
+            let off = dot(direction, sum).abs();
+            judgement.compare("act and react", off, limit, &place);
+        }
     }
-    if own.free && other.free {
-        let moved = other.moment + cross(minus(other.centre, own.centre), other.force);
+    if own.free() && other.free() {
+        let shift = cross(minus(other.centre, own.centre), other.force);
+        let off = plus(plus(own.moment, 1.0, other.moment), 1.0, shift);
         let arm = own.arm.max(other.arm);
-        judgement.compare(
-            "act and react",
-            (own.moment + moved).abs(),
-            limit * arm,
-            place,
-        );
+        judgement.compare("act and react", length(off), limit * arm, &place);
     }
 }
 
 /// The resultant of the rows of all contacts of a cluster is that of the forces.
-fn check_sum(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster, found: &Wrench) {
-    let (mut sum, mut turn) = ([0.0; 2], 0.0f64);
+fn check_sum<const D: usize>(
+    judgement: &mut Judgement,
+    view: &View<'_, D>,
+    cluster: &Cluster,
+    found: &Wrench<D>,
+) {
+    let (mut sum, mut turn) = ([0.0; D], 0.0f64);
     for &c in &cluster.contacts {
         let touch = &view.touches[c];
         let sign = if touch.own == cluster.body { 1.0 } else { -1.0 };
         if !touch.nodal {
-            turn = turn.max(touch.curve.turn);
-            // at a corner a row stands for two directions; an integrated row against a plane reports another direction than that of its push
-            let plane = touch.other.is_none() && !touch.curve.straight();
-            if touch.curve.corners || plane {
-                return;
+            turn = turn.max(touch.skin.turn);
+            if touch.other.is_none() {
+                // integrated rows report the side's own normal, not the plane's
+                for (&node, samples) in &touch.at_nodes {
+                    for sample in samples {
+                        let faces = touch.skin.normals_at(node);
+                        let off = faces.map(|n| length(minus(sample.normal, n)));
+                        turn = turn.max(off.fold(f64::INFINITY, f64::min));
+                    }
+                }
             }
         }
         for row in &view.step.contacts[c].rows {
@@ -213,55 +235,57 @@ fn check_sum(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster, foun
         }
     }
     let limit = 10.0 * found.slack + turn * found.magnitude;
-    for &direction in &found.directions {
-        let off = dot(direction, minus(found.force, sum)).abs();
-        judgement.compare("row sum", off, limit, || places(view, cluster));
-    }
+    found.compare(judgement, "row sum", sum, limit, || places(view, cluster));
 }
 
-fn places(view: &View<'_>, cluster: &Cluster) -> String {
-    let names: Vec<&str> = cluster
-        .contacts
-        .iter()
-        .map(|&c| view.touches[c].contact.name.as_str())
-        .collect();
-    format!(
-        "contacts {} of {}",
-        names.join(", "),
-        view.problem.bodies[cluster.body].name
-    )
+fn places<const D: usize>(view: &View<'_, D>, cluster: &Cluster) -> String {
+    let names = cluster.contacts.iter();
+    let names: Vec<&str> = names.map(|&c| &view.touches[c].contact.name[..]).collect();
+    let body = &view.problem.bodies[cluster.body].name;
+    format!("contacts {} of {body}", names.join(", "))
 }
 
 /// The wrench lies in the cone of the points that face something.
-fn check_footprint(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster, found: &Wrench) {
+fn check_footprint<const D: usize>(
+    judgement: &mut Judgement,
+    view: &View<'_, D>,
+    cluster: &Cluster,
+    found: &Wrench<D>,
+) {
     if found.magnitude <= 1e-3 * view.state.force || found.magnitude <= 1e3 * found.slack {
         return;
     }
-    let mut columns: Vec<[f64; 3]> = Vec::new();
-    let mut turn: f64 = 0.0;
     let arm = found.arm.max(f64::MIN_POSITIVE);
-    let flat = |force: Vector, moment: f64| {
-        let along = |k: usize| found.directions.get(k).map_or(0.0, |&d| dot(d, force));
-        let moment = if found.free { moment / arm } else { 0.0 };
-        [along(0), along(1), moment]
+    let flat = |force: [f64; D], moment: [f64; 3]| {
+        let mut column = [0.0; 6];
+        for (k, &direction) in found.directions.iter().enumerate() {
+            column[k] = dot(direction, force);
+        }
+        if found.free() {
+            let moment = times(1.0 / arm, moment);
+            column[3..].copy_from_slice(&moment);
+        }
+        column
     };
+    let mut columns = Vec::new();
+    let mut turn: f64 = 0.0;
     for &c in &cluster.contacts {
         let touch = &view.touches[c];
+        // these pull
         if matches!(touch.contact.law, Law::Tied | Law::Joint { .. }) {
             return;
         }
-        turn = turn.max(touch.curve.turn);
         let sign = if touch.own == cluster.body { 1.0 } else { -1.0 };
+        turn = turn.max(touch.skin.turn);
         for (x, normal) in touch.facing_points() {
-            for force in edges(view, c, x, normal) {
-                let force = times(sign, force);
-                let moment = cross(minus(x, found.centre), force);
-                columns.push(flat(force, moment));
+            for edge in edges(view, c, x, normal) {
+                let force = times(sign, edge);
+                columns.push(flat(force, cross(minus(x, found.centre), force)));
             }
         }
     }
     let scale = 1.0 / found.magnitude;
-    let target = flat(times(scale, found.force), scale * found.moment);
+    let target = flat(times(scale, found.force), times(scale, found.moment));
     let off = distance(&columns, target);
     // on a curve, pushes also act between the sampled points
     let limit = OUTSIDE + scale * 10.0 * found.slack + 0.05 * turn * turn + FORCE;
@@ -269,50 +293,30 @@ fn check_footprint(judgement: &mut Judgement, view: &View<'_>, cluster: &Cluster
 }
 
 /// Forces per pushing force that a contact may exert on its own body at a point.
-fn edges(view: &View<'_>, c: usize, x: Vector, normal: Vector) -> Vec<Vector> {
+fn edges<const D: usize>(
+    view: &View<'_, D>,
+    c: usize,
+    x: [f64; D],
+    normal: [f64; D],
+) -> Vec<[f64; D]> {
     let touch = &view.touches[c];
-    let push = times(-1.0, normal);
-    let mut pushes = vec![push];
-    if !touch.curve.straight() {
-        pushes.push(rotated(push, touch.curve.turn));
-        pushes.push(rotated(push, -touch.curve.turn));
-    }
-    let along = turned(normal);
+    let (push, turn) = (times(-1.0, normal), touch.skin.turn);
     match &touch.contact.law {
         Law::Coulomb(coefficient) => {
             // a coefficient that varies counts with its largest value within a facet
-            let mu = coefficient.at(x, view.step.time);
-            let near = touch.curve.longest;
-            let around = [[near, 0.0], [-near, 0.0], [0.0, near], [0.0, -near]];
-            let mu = around
-                .iter()
-                .map(|&d| coefficient.at(plus(x, 1.0, d), view.step.time))
-                .fold(mu, f64::max);
-            pushes
+            let near = axes()
                 .into_iter()
-                .flat_map(|p| [plus(p, mu, along), plus(p, -mu, along)])
-                .collect()
+                .flat_map(|axis| [1.0, -1.0].map(|sign| plus(x, sign * touch.skin.longest, axis)));
+            let all = near.chain([x]);
+            let most = all.map(|x| coefficient.at(x, view.step.time));
+            cone(push, most.fold(0.0, f64::max) + turn, EDGES, true)
         }
         // a bound that does not depend on the pressure defines no cone: any multiple of the shear is allowed here
         Law::Tresca(_) => {
-            pushes.push(along);
-            pushes.push(times(-1.0, along));
-            pushes
+            let along = tangents(normal).into_iter();
+            let shears = along.flat_map(|t| [t, times(-1.0, t)]);
+            shears.chain([push]).collect()
         }
-        _ => pushes,
-    }
-}
-
-/// Forces on a free obstacle balance.
-fn check_obstacle(judgement: &mut Judgement, view: &View<'_>, c: usize, found: &Wrench) {
-    let touch = &view.touches[c];
-    if let Against::Obstacle {
-        drive: Drive::Force(field),
-        ..
-    } = &touch.contact.against
-    {
-        let carried = crate::amount::vector_at(field, [0.0; 2], view.step.time);
-        let place = || format!("contact {}", touch.contact.name);
-        compare_forces(judgement, "obstacle", found, carried, place);
+        _ => cone(push, turn, EDGES, true),
     }
 }

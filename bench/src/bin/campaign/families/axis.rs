@@ -4,7 +4,7 @@ use super::Scene;
 use crate::amount::Amount;
 use crate::cells::Kind;
 use crate::problem::{
-    Analysis, Circle, Drive, Edge, Gap, Law, Load, Shape, Surface, clamp, hold, on, side, steps,
+    Analysis, Drive, Edge, Gap, Law, Shape, Surface, clamp, hold, on, round, side, steps,
 };
 
 fn revolve(scene: &mut Scene) {
@@ -73,10 +73,7 @@ pub fn stack(scene: &mut Scene) {
         }
     }
     let p = Amount::from(scene.strain);
-    scene.problem.bodies[n - 1].loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: p,
-    });
+    scene.problem.bodies[n - 1].press("top", p);
     if scene.problem.contacts.is_empty() {
         let surface = Surface::Gap(Amount::from(scene.strain * 0.1));
         scene.stand(
@@ -142,11 +139,9 @@ pub fn sphere(scene: &mut Scene) {
         scene.problem.bodies[1].supports.push(clamp(on("bottom")));
         scene.touch(side("ball", "cap"), side("plate", "top"), law);
         if scene.random.chance(0.4) {
-            scene.problem.bodies[0].circles.push(Circle {
-                side: "cap".to_string(),
-                center: [0.0, 1.0],
-                radius: 1.0,
-            });
+            scene.problem.bodies[0]
+                .surfaces
+                .push(round("cap", [0.0, 1.0], 1.0));
         }
     } else {
         let surface = Surface::Plane {
@@ -156,10 +151,7 @@ pub fn sphere(scene: &mut Scene) {
         scene.stand(side("ball", "cap"), surface, Drive::Nothing, law);
     }
     let p = Amount::from(0.1 * scene.strain);
-    scene.problem.bodies[0].loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: p,
-    });
+    scene.problem.bodies[0].press("top", p);
     no_thickness(scene);
     scene.holds("pressed down along the axis");
 }
@@ -189,10 +181,7 @@ pub fn fit(scene: &mut Scene) {
     scene.problem.bodies[0].supports.push(hold(on("bottom"), 1));
     scene.problem.bodies[1].supports.push(hold(on("bottom"), 1));
     let p = Amount::from(scene.strain * scene.random.between(0.1, 1.0));
-    scene.problem.bodies[1].loads.push(Load::Pressure {
-        side: "right".to_string(),
-        field: p,
-    });
+    scene.problem.bodies[1].press("right", p);
     no_thickness(scene);
     scene.holds("both are held along the axis");
 }

@@ -1,10 +1,11 @@
 //! Rectangles on, beside and in each other.
 
-use super::{Scene, course, from_below, sum};
+use super::{Scene, course, from_below};
 use crate::amount::{Amount, Time};
 use crate::problem::{
     Drive, Gap, Law, Load, Patch, Place, Surface, clamp, hold, moved, on, side, steps,
 };
+use crate::statics::both;
 
 /// The support of the lowest block.
 fn ground(scene: &mut Scene, name: &str, y: f64, law: Law) {
@@ -81,10 +82,7 @@ pub fn stack(scene: &mut Scene) {
     let [left, right] = boxes[top].0;
     let load = press(scene, scene.strain, left, right);
     let body = &mut scene.problem.bodies[top];
-    body.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: load.clone(),
-    });
+    body.press("top", load.clone());
     if scene.random.chance(0.4) {
         let weight = scene.strain * scene.random.between(0.1, 1.0);
         let bodies = scene.problem.bodies.iter_mut();
@@ -97,10 +95,7 @@ pub fn stack(scene: &mut Scene) {
         } else {
             Law::Frictionless
         };
-        coefficients.push(match &law {
-            Law::Coulomb(mu) => mu.at([0.0; 2], 0.0),
-            _ => 0.0,
-        });
+        coefficients.push(law.coefficient());
         if k > 0 {
             let (above, below) = (format!("b{k}"), format!("b{}", k - 1));
             scene.touch(side(&above, "bottom"), side(&below, "top"), law);
@@ -113,10 +108,7 @@ pub fn stack(scene: &mut Scene) {
     if rough && scene.random.chance(0.7) {
         let push = scene.strain * scene.random.between(-0.3, 0.3);
         let time = course(&mut scene.random, scene.problem.times.len());
-        scene.problem.bodies[top].loads.push(Load::Traction {
-            side: "top".to_string(),
-            field: [Amount::timed(push, time), Amount::default()],
-        });
+        scene.problem.bodies[top].pull("top", [Amount::timed(push, time), Amount::default()]);
     }
     let first = scene.problem.bodies[0].thickness;
     let plain = |b: &crate::problem::Body| b.weight[1].is_zero() && b.thickness == first;
@@ -142,12 +134,15 @@ pub fn stack(scene: &mut Scene) {
         .problem
         .times
         .iter()
-        .map(|_| ([0.0; 2], 0.0))
+        .map(|_| ([0.0; 2], [0.0; 3]))
         .collect();
     let mut parts = Vec::new();
     for k in (0..high).rev() {
         let own = scene.loads(k);
-        above.iter_mut().zip(own).for_each(|(a, o)| *a = sum(*a, o));
+        above
+            .iter_mut()
+            .zip(own)
+            .for_each(|(a, o)| *a = both(*a, o));
         let ([a, b], y) = boxes[k];
         let interval = match k {
             0 if on_clamped => continue,
@@ -304,10 +299,7 @@ pub fn masonry(scene: &mut Scene) {
         let p = Amount::from(scene.strain);
         for (name, _) in rows[courses - 1].clone() {
             let body = scene.problem.body(&name);
-            scene.problem.bodies[body].loads.push(Load::Pressure {
-                side: "top".to_string(),
-                field: p.clone(),
-            });
+            scene.problem.bodies[body].press("top", p.clone());
         }
     }
     scene.holds("uniform vertical pressure holds every brick");
@@ -326,10 +318,7 @@ pub fn punch(scene: &mut Scene) {
     scene.problem.bodies[0].supports.push(clamp(on("bottom")));
     let load = press(scene, scene.strain, left, left + width);
     let punch = &mut scene.problem.bodies[1];
-    punch.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: load,
-    });
+    punch.press("top", load);
     let mut top = "top".to_string();
     if scene.random.chance(0.4) {
         top = "part".to_string();
@@ -339,15 +328,12 @@ pub fn punch(scene: &mut Scene) {
             low: [left - 0.4, deep - 0.1],
             high: [left + width + 0.4, deep + 0.1],
         });
-        if let crate::problem::Shape::Rectangle { cells, .. } = &mut scene.problem.bodies[0].shape {
+        if let crate::problem::Shape::Block { cells, .. } = &mut scene.problem.bodies[0].shape {
             cells[0] = cells[0].max(8);
         }
     }
     let law = scene.law(0.5);
-    let friction = match &law {
-        Law::Coulomb(mu) => mu.at([0.0; 2], 0.0),
-        _ => 0.0,
-    };
+    let friction = law.coefficient();
     let c = scene.touch(side("punch", "bottom"), side("block", &top), law);
     let style = scene.random.count(0, 2);
     if style == 0 {
@@ -378,10 +364,7 @@ pub fn punch(scene: &mut Scene) {
     if friction > 0.0 {
         let push = scene.strain * friction * scene.random.between(-0.8, 0.8);
         let time = course(&mut scene.random, count);
-        scene.problem.bodies[1].loads.push(Load::Traction {
-            side: "top".to_string(),
-            field: [Amount::timed(push, time), Amount::default()],
-        });
+        scene.problem.bodies[1].pull("top", [Amount::timed(push, time), Amount::default()]);
     }
     if scene.random.chance(0.2) {
         scene.problem.contacts[c].gap = Gap::Geometric;
@@ -508,10 +491,7 @@ pub fn hanging(scene: &mut Scene) {
     }
     if scene.random.chance(0.5) {
         let body = &mut scene.problem.bodies[n];
-        body.loads.push(Load::Traction {
-            side: "bottom".to_string(),
-            field: [Amount::default(), Amount::from(-scene.strain)],
-        });
+        body.pull("bottom", [Amount::default(), Amount::from(-scene.strain)]);
     }
     let reach = scene.strain * length * scene.random.between(0.2, 4.0);
     let law = scene.law(0.4);
@@ -566,10 +546,7 @@ pub fn hook(scene: &mut Scene) {
     scene.rectangle("stem", [-0.5 * stem, -long], [0.5 * stem, 0.0], cells, kind);
     let pull = scene.strain * scene.random.between(0.2, 1.0);
     let stem_body = &mut scene.problem.bodies[3];
-    stem_body.loads.push(Load::Traction {
-        side: "bottom".to_string(),
-        field: [Amount::default(), Amount::from(-pull)],
-    });
+    stem_body.pull("bottom", [Amount::default(), Amount::from(-pull)]);
     scene.touch(side("head", "bottom"), side("left", "top"), law.clone());
     scene.touch(side("head", "bottom"), side("right", "top"), law);
     scene.touch(side("stem", "top"), side("head", "bottom"), Law::Tied);
@@ -641,10 +618,7 @@ pub fn tied(scene: &mut Scene) {
     for k in 0..n {
         let p = scene.strain * scene.random.between(0.1, 1.0);
         let body = &mut scene.problem.bodies[k];
-        body.loads.push(Load::Pressure {
-            side: "top".to_string(),
-            field: Amount::from(p),
-        });
+        body.press("top", Amount::from(p));
     }
     let drive = scene.random.chance(0.5);
     let support = if drive && count > 1 {

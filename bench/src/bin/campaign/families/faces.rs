@@ -6,7 +6,7 @@ use super::{Scene, floors::polygon};
 use crate::amount::Amount;
 use crate::plane::Vector;
 use crate::problem::{
-    Against, Contact, Known, Law, Load, Other, Patch, Problem, Shape, clamp, hold, on, side, steps,
+    Against, Contact, Known, Law, Other, Patch, Problem, Shape, clamp, hold, on, side, steps,
 };
 
 /// Names of the edge of each tread: as a part of the whole top, and its own name alone.
@@ -252,10 +252,7 @@ pub fn whole(scene: &mut Scene) {
         y += h + off;
     }
     let p = scene.strain * scene.random.between(0.2, 1.0);
-    scene.problem.bodies[high - 1].loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::from(p),
-    });
+    scene.problem.bodies[high - 1].press("top", Amount::from(p));
     let mut plain = Vec::new();
     for k in 1..high {
         let (above, below) = (format!("b{k}"), format!("b{}", k - 1));
@@ -325,10 +322,10 @@ pub fn shared(scene: &mut Scene) {
     let block = &mut scene.problem.bodies[1];
     block.supports.push(hold(on("left"), 0));
     let slope = p * scene.random.between(-0.5, 0.5);
-    block.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::new(p, [slope, 0.0], crate::amount::Time::Always),
-    });
+    block.press(
+        "top",
+        Amount::new(p, [slope, 0.0], crate::amount::Time::Always),
+    );
     let law = if scene.random.chance(0.15) {
         Law::Tied
     } else {

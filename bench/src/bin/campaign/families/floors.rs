@@ -4,7 +4,7 @@ use super::{Scene, course};
 use crate::amount::{Amount, Time};
 use crate::plane::rotated;
 use crate::problem::{
-    Drive, Edge, Known, Law, Load, Place, Shape, Surface, clamp, hold, moved, on, side, steps,
+    Drive, Edge, Known, Law, Place, Shape, Surface, clamp, hold, moved, on, side, steps,
 };
 
 /// A block above two to four obstacles of all kinds, in any order, at different distances.
@@ -50,7 +50,7 @@ pub fn floors(scene: &mut Scene) {
             _ => {
                 let radius = scene.random.between(1.0, 5.0) * w;
                 let x = scene.random.between(0.3, 0.7) * w;
-                Surface::Circle {
+                Surface::Round {
                     center: [x, -gap - radius],
                     radius,
                     inside: false,
@@ -70,10 +70,7 @@ pub fn floors(scene: &mut Scene) {
         other => other,
     };
     let body = &mut scene.problem.bodies[0];
-    body.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::timed(p, time),
-    });
+    body.press("top", Amount::timed(p, time));
     match scene.random.count(0, 2) {
         0 => scene.problem.bodies[0].supports.push(hold(on("left"), 0)),
         1 => scene.problem.bodies[0]
@@ -128,7 +125,7 @@ pub fn moving(scene: &mut Scene) {
     };
     let surface = match scene.random.count(0, 3) {
         0 => Surface::Gap(Amount::from(stroke * scene.random.between(-0.5, 0.3))),
-        1 => Surface::Circle {
+        1 => Surface::Round {
             center: [0.5 * w, -3.0 * w],
             radius: 3.0 * w,
             inside: false,
@@ -173,7 +170,7 @@ pub fn free_obstacle(scene: &mut Scene) {
     let round = scene.random.chance(0.3);
     let surface = if round {
         let radius = 4.0 * w;
-        Surface::Circle {
+        Surface::Round {
             center: [0.5 * w, -radius - clear],
             radius,
             inside: false,

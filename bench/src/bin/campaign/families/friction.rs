@@ -1,9 +1,11 @@
 //! Blocks near the limit of sliding or tipping, on either side of it.
 
-use super::{Push, Scene, course, from_below};
+use super::{Push, Scene, course, from_below, wrench};
 use crate::amount::{Amount, Time};
-use crate::plane::{cross, dot, minus, rotated, times};
-use crate::problem::{Drive, Edge, Law, Load, Shape, Surface, clamp, moved, on, side, steps};
+use crate::plane::rotated;
+use crate::problem::{Drive, Edge, Law, Shape, Surface, clamp, moved, on, side, steps};
+use crate::statics::beside_limit;
+use crate::vector::{dot, minus, times};
 
 /// A block in a corner of two planes or two bodies, pressed into it, with friction on both faces, one, or neither.
 pub fn corner(scene: &mut Scene) {
@@ -18,21 +20,22 @@ pub fn corner(scene: &mut Scene) {
         let rough = scene.random.chance(0.75);
         if rough { scene.coefficient() } else { 0.0 }
     });
-    let law = |mu: f64| {
-        if mu == 0.0 {
-            Law::Frictionless
-        } else {
-            Law::Coulomb(Amount::from(mu))
-        }
-    };
     let bodies = scene.random.chance(0.3);
     if bodies {
         scene.block("floor", [0.0, -0.5], [w + 0.3, 0.0], 2);
         scene.block("wall", [-0.5, 0.0], [0.0, h + 0.2], 2);
         scene.problem.bodies[1].supports.push(clamp(on("bottom")));
         scene.problem.bodies[2].supports.push(clamp(on("left")));
-        scene.touch(side("block", "bottom"), side("floor", "top"), law(mu[0]));
-        scene.touch(side("block", "left"), side("wall", "right"), law(mu[1]));
+        scene.touch(
+            side("block", "bottom"),
+            side("floor", "top"),
+            Law::rubbing(mu[0]),
+        );
+        scene.touch(
+            side("block", "left"),
+            side("wall", "right"),
+            Law::rubbing(mu[1]),
+        );
     } else {
         let planes = [([0.0, 1.0], "bottom"), ([1.0, 0.0], "left")];
         let mut order = [0, 1];
@@ -43,25 +46,27 @@ pub fn corner(scene: &mut Scene) {
                 point: [0.0, 0.0],
                 normal,
             };
-            scene.stand(side("block", name), surface, Drive::Nothing, law(mu[k]));
+            scene.stand(
+                side("block", name),
+                surface,
+                Drive::Nothing,
+                Law::rubbing(mu[k]),
+            );
         }
     }
     let course_top = course(&mut scene.random, count);
     let pushes = [0, 1, 2].map(|_| scene.strain * scene.random.between(0.05, 1.0));
     let body = &mut scene.problem.bodies[0];
-    body.loads.push(Load::Traction {
-        side: "top".to_string(),
-        field: [Amount::default(), Amount::from(-pushes[0])],
-    });
+    body.pull("top", [Amount::default(), Amount::from(-pushes[0])]);
     let along = scene.random.between(-0.5, 0.5) * pushes[2];
     let time = match course_top {
         Time::Wave(a, b) => Time::Wave(a, b),
         _ => Time::Always,
     };
-    body.loads.push(Load::Traction {
-        side: "right".to_string(),
-        field: [Amount::from(-pushes[1]), Amount::timed(along, time)],
-    });
+    body.pull(
+        "right",
+        [Amount::from(-pushes[1]), Amount::timed(along, time)],
+    );
     let wall = |y: f64| Push {
         at: [0.0, y],
         direction: [1.0, 0.0],
@@ -104,18 +109,8 @@ fn place(scene: &mut Scene, w: f64, h: f64, law: Law) {
 /// The part of the block's sole that faces the ground.
 fn sole(scene: &Scene, w: f64) -> [f64; 2] {
     match scene.problem.bodies.get(1).map(|floor| &floor.shape) {
-        Some(Shape::Rectangle { from, to, .. }) => [from[0].max(0.0), to[0].min(w)],
+        Some(Shape::Block { from, to, .. }) => [from[0].max(0.0), to[0].min(w)],
         _ => [0.0, w],
-    }
-}
-
-/// A factor of the limit: just inside, just outside, or farther from it.
-fn margin(scene: &mut Scene) -> f64 {
-    match scene.random.count(0, 5) {
-        0 | 1 => 0.99,
-        2 | 3 => 1.011,
-        4 => scene.random.between(0.2, 0.98),
-        _ => scene.random.between(1.02, 1.5),
     }
 }
 
@@ -131,24 +126,17 @@ pub fn tip(scene: &mut Scene) {
     } else {
         0.0
     };
-    let law = if rough {
-        Law::Coulomb(Amount::from(mu))
-    } else {
-        Law::Frictionless
-    };
+    let law = Law::rubbing(mu);
     place(scene, w, h, law);
     let [a, b] = sole(scene, w);
-    let lever = margin(scene) * scene.random.sign() * 0.5 * (b - a);
+    let lever = beside_limit(&mut scene.random) * scene.random.sign() * 0.5 * (b - a);
     // a uniform pressure on the top, its resultant moved by a linear part: p (1 + s (x − w/2)), shift = s w²/12
     let shift = 0.5 * (a + b) + lever - 0.5 * w;
     let p = scene.strain;
     let slope = p * shift * 12.0 / (w * w);
     let field = Amount::new(p - 0.5 * slope * w, [slope, 0.0], Time::Always);
     let body = &mut scene.problem.bodies[0];
-    body.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field,
-    });
+    body.press("top", field);
     let parts = [(scene.loads(0), from_below([a, b], 0.0, mu))];
     scene.judge_sharply(&parts, "the resultant beside the edge of the sole");
 }
@@ -165,7 +153,7 @@ pub fn slide(scene: &mut Scene) {
     place(scene, w, h, Law::Coulomb(Amount::from(mu)));
     let [a, b] = sole(scene, w);
     let p = scene.strain;
-    let part = margin(scene) * scene.random.sign();
+    let part = beside_limit(&mut scene.random) * scene.random.sign();
     let draw = part * mu * p;
     let time = if count == 1 {
         Time::Always
@@ -178,15 +166,9 @@ pub fn slide(scene: &mut Scene) {
     let field = Amount::new(-(p - 0.5 * slope * w), [-slope, 0.0], Time::Always);
     let shear = Amount::timed(draw, time);
     let body = &mut scene.problem.bodies[0];
-    body.loads.push(Load::Traction {
-        side: "top".to_string(),
-        field: [shear.clone(), field],
-    });
+    body.pull("top", [shear.clone(), field]);
     for (name, sign) in [("right", 1.0), ("left", -1.0)] {
-        body.loads.push(Load::Traction {
-            side: name.to_string(),
-            field: [Amount::default(), shear.times(sign)],
-        });
+        body.pull(name, [Amount::default(), shear.times(sign)]);
     }
     let parts = [(scene.loads(0), from_below([a, b], 0.0, mu))];
     scene.judge_sharply(&parts, "the draw beside the limit of friction");
@@ -195,7 +177,7 @@ pub fn slide(scene: &mut Scene) {
 /// A block on an inclined plane, under its weight.
 pub fn incline(scene: &mut Scene) {
     let mu = scene.random.between(0.1, 1.0);
-    let angle = (margin(scene) * mu).atan() * scene.random.sign();
+    let angle = (beside_limit(&mut scene.random) * mu).atan() * scene.random.sign();
     let (w, h) = (1.0, scene.random.between(0.2, 1.2));
     let corners = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|x| rotated(x, angle));
     let names = ["sole", "right", "top", "left"];
@@ -226,7 +208,7 @@ pub fn incline(scene: &mut Scene) {
     scene.stand(side("block", "sole"), surface, Drive::Nothing, law);
     let weight = scene.strain;
     scene.problem.bodies[0].weight[1] = Amount::from(-weight);
-    let middle = times(0.5, crate::plane::plus(corners[0], 1.0, corners[2]));
+    let middle = times(0.5, crate::vector::plus(corners[0], 1.0, corners[2]));
     let force = [0.0, -weight * w * h];
     let push = |at| Push {
         at,
@@ -235,7 +217,7 @@ pub fn incline(scene: &mut Scene) {
     };
     debug_assert!(dot(normal, minus(middle, corners[0])) > 0.0);
     let parts = [(
-        vec![(force, cross(middle, force))],
+        vec![wrench(middle, force)],
         vec![push(corners[0]), push(corners[1])],
     )];
     scene.judge_sharply(&parts, "weight on the incline");
@@ -261,10 +243,7 @@ pub fn tresca(scene: &mut Scene) {
     if pressed {
         body.supports
             .push(moved(on("left"), 0, Amount::timed(stroke, time)));
-        body.loads.push(Load::Pressure {
-            side: "top".to_string(),
-            field: Amount::from(scene.strain),
-        });
+        body.press("top", Amount::from(scene.strain));
     } else {
         body.supports
             .push(moved(on("top"), 0, Amount::timed(stroke, time)));

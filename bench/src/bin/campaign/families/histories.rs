@@ -48,10 +48,7 @@ fn pushed(scene: &mut Scene, count: usize, rest: usize) {
         let stroke = scene.strain * scene.random.between(0.0, 0.5);
         let along = wave(scene, stroke);
         let block = &mut scene.problem.bodies[1];
-        block.loads.push(Load::Traction {
-            side: "top".to_string(),
-            field: [pull, down],
-        });
+        block.pull("top", [pull, down]);
         block.supports.push(moved(on("left"), 0, along));
     }
     scene.holds("pushed by what is held, pressed down");
@@ -129,10 +126,7 @@ pub fn ground(scene: &mut Scene) {
     lower.supports.push(clamp(on("bottom")));
     lower.supports.push(hold(on("right"), 0));
     if over > 0.0 {
-        upper.loads.push(Load::Pressure {
-            side: "top".to_string(),
-            field: Amount::from(over),
-        });
+        upper.press("top", Amount::from(over));
     }
     let factor = match dug {
         true => Amount::timed(

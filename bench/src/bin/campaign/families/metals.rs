@@ -2,7 +2,7 @@
 
 use super::{Scene, rounds};
 use crate::amount::{Amount, Time};
-use crate::problem::{Analysis, Known, Law, Load, Metal, clamp, hold, moved, on, side, steps};
+use crate::problem::{Analysis, Known, Law, Metal, clamp, hold, moved, on, side, steps};
 
 /// Gives a body a yield stress that the strains of the scene mostly reach, and sometimes do not.
 fn alloy(scene: &mut Scene, body: usize, least: f64) {
@@ -158,10 +158,7 @@ fn limit(scene: &mut Scene) {
         false => scene.random.between(0.5, 0.98),
     };
     let pressure = Time::Line(0.0, 1.0 / count as f64);
-    scene.problem.bodies[blocks - 1].loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::timed(part * most, pressure),
-    });
+    scene.problem.bodies[blocks - 1].press("top", Amount::timed(part * most, pressure));
     scene.holds("less than what metal bears");
     if falls {
         (scene.problem.known, scene.problem.reason) =

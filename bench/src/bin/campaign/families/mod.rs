@@ -17,16 +17,17 @@ mod structures;
 mod travel;
 
 use crate::amount::{Amount, Time, vector_at};
+use crate::carry::Carry;
 use crate::cells::{Kind, gauss};
-use crate::cone::distance;
-use crate::plane::{Vector, cross, length, minus, plus, times, turned};
+use crate::plane::Vector;
 use crate::problem::{
     Against, Analysis, Body, Contact, Drive, Gap, Known, Law, Load, Pairing, Problem, Shape, Side,
     Surface, hold, on,
 };
 use crate::random::Random;
-use crate::raw::Cell;
-use crate::twins::carried;
+pub use crate::statics::Push;
+use crate::statics::{MARGIN, both, held, poisson};
+use crate::vector::{cross, length, minus, plus, times};
 
 /// Makes a problem.
 type Make = fn(&mut Scene);
@@ -134,32 +135,16 @@ impl Scene {
             random.magnitude(50.0, 3000.0)
         };
         let kinds = if random.chance(0.6) {
-            vec![random.pick(Kind::ALL)]
+            vec![random.pick(&Kind::PLANE)]
         } else {
-            Kind::ALL.to_vec()
+            Kind::PLANE.to_vec()
         };
         Self {
             strain: random.magnitude(1e-5, 1e-3),
             ratio,
             dofs,
             kinds,
-            problem: Problem {
-                family,
-                analysis,
-                bodies: Vec::new(),
-                contacts: Vec::new(),
-                times: vec![1.0],
-                known: Known::Open,
-                reason: String::new(),
-                uniform: None,
-                spins: false,
-                method: "auto".to_string(),
-                drawing: None,
-                sections: Vec::new(),
-                other: None,
-                idle: Vec::new(),
-                past: 0,
-            },
+            problem: Problem::new(family, analysis),
             random,
         }
     }
@@ -185,7 +170,8 @@ impl Scene {
         }
         let lengths = self.random.magnitude(1e-6, 1e6);
         let forces = self.random.magnitude(1e-6, 1e6);
-        carried(&self.problem, lengths, forces, 0.0).unwrap_or(self.problem)
+        let carried = Carry::units(lengths, forces).problem(&self.problem, None);
+        carried.unwrap_or(self.problem)
     }
 
     /// Kind of the next body's cells.
@@ -207,31 +193,15 @@ impl Scene {
     /// A body without supports and loads.
     pub fn add(&mut self, name: &str, shape: Shape, kind: Kind) -> usize {
         let young = self.modulus();
-        let poisson = match self.random.count(0, 9) {
-            0 => 0.0,
-            1 => 0.45,
-            _ => self.random.between(0.15, 0.4),
-        };
+        let poisson = poisson(&mut self.random);
         let thickness = match self.problem.bodies.first() {
             Some(_) if self.random.chance(0.05) => self.random.magnitude(0.3, 3.0),
             Some(first) => first.thickness,
             None if self.random.chance(0.8) => 1.0,
             None => self.random.magnitude(0.1, 10.0),
         };
-        self.problem.bodies.push(Body {
-            name: name.to_string(),
-            shape,
-            kind,
-            patches: Vec::new(),
-            young,
-            poisson,
-            thickness,
-            supports: Vec::new(),
-            loads: Vec::new(),
-            weight: Default::default(),
-            circles: Vec::new(),
-            more: Default::default(),
-        });
+        let body = Body::new(name, shape, kind, [young, poisson]);
+        self.problem.bodies.push(Body { thickness, ..body });
         self.problem.bodies.len() - 1
     }
 
@@ -240,7 +210,7 @@ impl Scene {
         let per_cell = match kind {
             Kind::Tri3 | Kind::Quad4 => 2.0,
             Kind::Quad8 => 6.0,
-            Kind::Tri6 | Kind::Quad9 => 8.0,
+            _ => 8.0,
         };
         (area * per_cell * bodies as f64 / self.dofs).sqrt()
     }
@@ -266,7 +236,7 @@ impl Scene {
         let diagonals =
             self.random
                 .pick(&["checkerboard", "forward", "backward", "checkerboard-odd"]);
-        let shape = Shape::Rectangle {
+        let shape = Shape::Block {
             from,
             to,
             cells,
@@ -357,10 +327,7 @@ impl Scene {
         let pressure = self.strain * self.random.between(0.2, 1.0);
         let body = &mut self.problem.bodies[body];
         body.supports.push(hold(on("left"), 0));
-        body.loads.push(Load::Pressure {
-            side: "top".to_string(),
-            field: Amount::from(pressure),
-        });
+        body.press("top", Amount::from(pressure));
     }
 
     /// Decides from single bodies whether the contacts hold: each with the wrench of its loads (about the origin) at every
@@ -379,7 +346,7 @@ impl Scene {
         let mut known = Known::Holds;
         for (loads, pushes) in parts {
             for load in loads {
-                match held(load, pushes, inside) {
+                match held(*load, pushes, inside) {
                     Known::Holds => {}
                     Known::Falls => {
                         self.problem.known = Known::Falls;
@@ -410,28 +377,20 @@ impl Scene {
 }
 
 /// Force and moment about the origin.
-pub type Wrench = (Vector, f64);
+pub type Wrench = (Vector, [f64; 3]);
 
-/// A possible push: its point, its direction (into the body), and its coefficient of friction.
-#[derive(Debug, Clone, Copy)]
-pub struct Push {
-    pub at: Vector,
-    pub direction: Vector,
-    pub friction: f64,
-}
-
-/// The sum of two wrenches.
-pub fn sum(a: Wrench, b: Wrench) -> Wrench {
-    (plus(a.0, 1.0, b.0), a.1 + b.1)
+/// The wrench of a force at a point.
+pub fn wrench(x: Vector, force: Vector) -> Wrench {
+    (force, cross(x, force))
 }
 
 /// The loads of a rectangle.
 pub fn rectangle_loads(body: &Body, t: f64) -> Wrench {
-    let Shape::Rectangle { from, to, .. } = body.shape else {
-        return ([0.0; 2], 0.0);
+    let Shape::Block { from, to, .. } = body.shape else {
+        return ([0.0; 2], [0.0; 3]);
     };
-    let mut total = ([0.0; 2], 0.0);
-    let mut add = |x: Vector, f: Vector| total = sum(total, (f, cross(x, f)));
+    let mut total = ([0.0; 2], [0.0; 3]);
+    let mut add = |x: Vector, f: Vector| total = both(total, wrench(x, f));
     for load in &body.loads {
         let (side, field) = match load {
             Load::Traction { side, field } => (side, field.clone()),
@@ -467,51 +426,6 @@ pub fn rectangle_loads(body: &Body, t: f64) -> Wrench {
     let volume = w * h * body.thickness;
     add(middle, times(volume, vector_at(&body.weight, middle, t)));
     total
-}
-
-/// Margin to bodies that fall: this part of lengths, and of coefficients of friction.
-const MARGIN: f64 = 0.009;
-
-/// Whether pushes can hold a load; `inside` is the margin of held bodies.
-fn held(load: &Wrench, pushes: &[Push], inside: f64) -> Known {
-    let scale = length(load.0);
-    if scale == 0.0 && load.1 == 0.0 {
-        return Known::Open;
-    }
-    let middle = times(
-        1.0 / pushes.len() as f64,
-        pushes.iter().fold([0.0; 2], |s, p| plus(s, 1.0, p.at)),
-    );
-    let arm = pushes
-        .iter()
-        .fold(1e-9, |s: f64, p| s.max(length(minus(p.at, middle))));
-    let scale = scale.max(load.1.abs() / arm);
-    let target = [
-        -load.0[0] / scale,
-        -load.0[1] / scale,
-        -(load.1 - cross(middle, load.0)) / (arm * scale),
-    ];
-    let off = |stretch: f64| {
-        let columns: Vec<[f64; 3]> = pushes
-            .iter()
-            .flat_map(|p| {
-                let at = plus(middle, stretch, minus(p.at, middle));
-                let along = times(stretch * p.friction, turned(p.direction));
-                [1.0, -1.0].map(|s| {
-                    let f = plus(p.direction, s, along);
-                    [f[0], f[1], cross(minus(at, middle), f) / arm]
-                })
-            })
-            .collect();
-        distance(&columns, target)
-    };
-    if off(1.0 - inside) < 1e-12 {
-        Known::Holds
-    } else if off(1.0 + MARGIN) > 1e-4 * MARGIN {
-        Known::Falls
-    } else {
-        Known::Open
-    }
 }
 
 /// Pushes from below at the ends of an interval at a height.
@@ -550,17 +464,5 @@ mod tests {
                 assert!(!a.bodies.is_empty(), "{name}");
             }
         }
-    }
-
-    #[test]
-    fn statics_knows_what_tips_and_what_slides() {
-        let floor = from_below([0.0, 2.0], 0.0, 0.5);
-        let at = |x: f64, f: Vector| (f, cross([x, 0.0], f));
-        assert_eq!(held(&at(1.97, [0.0, -1.0]), &floor, MARGIN), Known::Holds);
-        assert_eq!(held(&at(2.03, [0.0, -1.0]), &floor, MARGIN), Known::Falls);
-        assert_eq!(held(&at(1.999, [0.0, -1.0]), &floor, MARGIN), Known::Open);
-        assert_eq!(held(&at(1.0, [0.49, -1.0]), &floor, MARGIN), Known::Holds);
-        assert_eq!(held(&at(1.0, [0.51, -1.0]), &floor, MARGIN), Known::Falls);
-        assert_eq!(held(&at(1.0, [0.0, 1.0]), &floor, MARGIN), Known::Falls);
     }
 }

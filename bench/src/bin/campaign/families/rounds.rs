@@ -1,14 +1,15 @@
 //! Wedges, discs and rings.
 
 use super::floors::polygon;
-use super::{Push, Scene, course};
+use super::{Push, Scene, course, wrench};
 use crate::amount::{Amount, Time};
 use crate::cells::Kind;
-use crate::plane::{cross, plus, rotated, times};
+use crate::plane::rotated;
 use crate::problem::{
-    Circle, Drive, Gap, Known, Law, Load, Pairing, Place, Shape, Surface, clamp, hold, moved, on,
-    side, steps,
+    Drive, Gap, Known, Law, Load, Pairing, Place, Shape, Surface, clamp, hold, moved, on,
+    round as circle, side, steps,
 };
+use crate::vector::{plus, times};
 use std::f64::consts::PI;
 
 /// A wedge between two inclined faces, rigid or elastic, pressed into them or out of them.
@@ -35,11 +36,7 @@ pub fn wedge(scene: &mut Scene) {
     scene.add("wedge", shape, kind);
     let rough = scene.random.chance(0.5);
     let mu = if rough { scene.coefficient() } else { 0.0 };
-    let law = if rough {
-        Law::Coulomb(Amount::from(mu))
-    } else {
-        Law::Frictionless
-    };
+    let law = Law::rubbing(mu);
     // inward normals of the faces of the wedge
     let left = rotated([1.0, 0.0], angle);
     let right = rotated([-1.0, 0.0], -angle);
@@ -74,19 +71,12 @@ pub fn wedge(scene: &mut Scene) {
     let p = scene.strain * if out { -1.0 } else { 1.0 };
     let tilt = scene.random.between(-0.3, 0.3) * scene.strain;
     let body = &mut scene.problem.bodies[0];
-    body.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::from(p),
-    });
+    body.press("top", Amount::from(p));
     if rough || scene.random.chance(0.5) {
-        body.loads.push(Load::Traction {
-            side: "top".to_string(),
-            field: [Amount::from(tilt), Amount::default()],
-        });
+        body.pull("top", [Amount::from(tilt), Amount::default()]);
     }
     let drawn = body.loads.len() > 1;
     let force = [if drawn { 2.0 * wide * tilt } else { 0.0 }, -2.0 * wide * p];
-    let moment = cross([0.0, high], force);
     let push = |at, direction| Push {
         at,
         direction,
@@ -101,7 +91,10 @@ pub fn wedge(scene: &mut Scene) {
     // in statics, faces wedged by friction can hold any load; but a load that draws the wedge out does not press the faces
     let jams = out && mu >= angle.tan();
     if !jams {
-        scene.judge(&[(vec![(force, moment)], pushes)], "statics of the wedge");
+        scene.judge(
+            &[(vec![wrench([0.0, high], force)], pushes)],
+            "statics of the wedge",
+        );
     }
 }
 
@@ -219,11 +212,7 @@ pub fn disc_v(scene: &mut Scene) {
         .pick(&[[-0.75, -0.25], [-1.0, -0.25], [-0.5, 0.0], [-1.0, -0.5]]);
     let rough = scene.random.chance(0.5);
     let mu = if rough { scene.coefficient() } else { 0.0 };
-    let law = if rough {
-        Law::Coulomb(Amount::from(mu))
-    } else {
-        Law::Frictionless
-    };
+    let law = Law::rubbing(mu);
     let mut order = pair;
     scene.random.shuffle(&mut order);
     let clearance = scene.strain * scene.random.pick(&[0.0, 0.0, 1.0]);
@@ -248,7 +237,7 @@ pub fn disc_v(scene: &mut Scene) {
     let area = PI * (1.0 - inner * inner);
     let force = if scene.random.chance(0.6) {
         scene.problem.bodies[0].weight[1] = Amount::from(-weight);
-        ([0.0, -weight * area], 0.0)
+        wrench([0.0; 2], [0.0, -weight * area])
     } else {
         // at a node: the uppermost or one beside it
         let angle = scene.random.pick(&[0.5, 0.25, 0.75]) * PI;
@@ -258,16 +247,16 @@ pub fn disc_v(scene: &mut Scene) {
         scene.problem.bodies[0]
             .loads
             .push(Load::Force { point, field });
-        (direction, cross(point, direction))
+        wrench(point, direction)
     };
-    if rough || force.1 == 0.0 {
+    if rough || force.1 == [0.0; 3] {
         scene.judge(&[(vec![force], pushes.clone())], "statics of the disc");
         if scene.problem.known == Known::Falls {
             // a disc that rolls a little touches at neighbouring points: it falls only if it falls with these, too
             let beside = |p: &Push| {
                 let along = crate::plane::turned(p.direction);
                 [-1.0, 0.0, 1.0].map(|s| Push {
-                    at: crate::plane::plus(p.at, s, along),
+                    at: crate::vector::plus(p.at, s, along),
                     ..*p
                 })
             };
@@ -299,20 +288,15 @@ pub fn disc_plates(scene: &mut Scene) {
         scene.block("above", [-wide, radius], [wide, radius + 0.5], 3);
         scene.problem.bodies[2].supports.push(hold(on("left"), 0));
         scene.problem.bodies[2].supports.push(hold(on("right"), 0));
-        scene.problem.bodies[2].loads.push(Load::Pressure {
-            side: "top".to_string(),
-            field: Amount::from(0.1 * scene.strain),
-        });
+        scene.problem.bodies[2].press("top", Amount::from(0.1 * scene.strain));
         scene.touch(side("disc", round), side("above", "bottom"), law);
     } else {
         scene.problem.bodies[0].weight[1] = Amount::from(-0.1 * scene.strain);
     }
     if scene.random.chance(0.3) {
-        scene.problem.bodies[0].circles.push(Circle {
-            side: round.to_string(),
-            center: [0.0, 0.0],
-            radius,
-        });
+        scene.problem.bodies[0]
+            .surfaces
+            .push(circle(round, [0.0, 0.0], radius));
     }
     scene.holds("pressed vertically through its middle");
 }
@@ -365,11 +349,7 @@ pub fn rings(scene: &mut Scene) {
         }
         if surfaces {
             for (name, r) in [("inner", radius), ("outer", outer)] {
-                body.circles.push(Circle {
-                    side: name.to_string(),
-                    center: [0.0, 0.0],
-                    radius: r,
-                });
+                body.surfaces.push(circle(name, [0.0, 0.0], r));
             }
         }
         if k > 0 {
@@ -399,10 +379,7 @@ pub fn rings(scene: &mut Scene) {
     } else {
         (0, "inner")
     };
-    scene.problem.bodies[body].loads.push(Load::Pressure {
-        side: name.to_string(),
-        field: Amount::timed(p, time),
-    });
+    scene.problem.bodies[body].press(name, Amount::timed(p, time));
     scene.holds("rings under pressure");
 }
 
@@ -428,7 +405,7 @@ pub fn pin(scene: &mut Scene) {
     let radius = inner - play - scene.random.unit() * scene.strain;
     let surface = if scene.random.chance(0.6) {
         // the pin touches the uppermost point of the bore
-        Surface::Circle {
+        Surface::Round {
             center: [0.0, inner - radius],
             radius,
             inside: false,
@@ -436,14 +413,14 @@ pub fn pin(scene: &mut Scene) {
     } else {
         // a wide rigid tube around the ring
         let radius = outer * scene.random.between(1.05, 3.0);
-        Surface::Circle {
+        Surface::Round {
             center: [0.0, radius - outer],
             radius,
             inside: true,
         }
     };
     let name = match surface {
-        Surface::Circle { inside: true, .. } => "outer",
+        Surface::Round { inside: true, .. } => "outer",
         _ => "inner",
     };
     scene.stand(side("ring", name), surface, Drive::Nothing, law);
@@ -546,10 +523,7 @@ pub fn pocket(scene: &mut Scene) {
     }
     let p = scene.strain;
     let aside = scene.random.between(-0.5, 0.5) * p;
-    scene.problem.bodies[1].loads.push(Load::Traction {
-        side: "top".to_string(),
-        field: [Amount::from(aside), Amount::from(-p)],
-    });
+    scene.problem.bodies[1].pull("top", [Amount::from(aside), Amount::from(-p)]);
     if !jams {
         scene.holds("pressed into a pocket that surrounds it");
     }
@@ -586,7 +560,7 @@ pub fn edge(scene: &mut Scene) {
             } else {
                 clear + radius
             };
-            Surface::Circle {
+            Surface::Round {
                 center: times(centre, way),
                 radius,
                 inside,

@@ -5,8 +5,8 @@ use crate::amount::{Amount, Time};
 use crate::cells::Kind;
 use crate::plane::Vector;
 use crate::problem::{
-    Bar, Beyond, Couple, Drawing, Gives, Known, Law, Load, Other, Problem, Section, Shape, Spring,
-    clamp, hold, moved, on, side, steps,
+    Bar, Beyond, Couple, Drawing, Gives, Known, Law, Other, Problem, Section, Shape, Spring, clamp,
+    hold, moved, on, side, steps,
 };
 use crate::raw::Mesh;
 
@@ -60,10 +60,7 @@ pub fn bed(scene: &mut Scene) {
     };
     let punch = &mut scene.problem.bodies[1];
     punch.supports.push(hold(on("left"), 0));
-    punch.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::timed(p, time),
-    });
+    punch.press("top", Amount::timed(p, time));
     let law = scene.law(0.25);
     scene.touch(side("punch", "bottom"), side("beam", "top"), law);
     scene.holds("pressed onto the middle third of a beam on a bed");
@@ -98,23 +95,20 @@ pub fn section(scene: &mut Scene) {
     let tilt = p * scene.random.between(-0.5, 0.5) / long;
     let along = p * scene.random.between(-1.0, 1.0);
     let where_to = scene.random.pick(&["top", "bottom"]);
-    beam.loads.push(Load::Traction {
-        side: where_to.to_string(),
-        field: [
+    beam.pull(
+        where_to,
+        [
             Amount::from(along),
             Amount::new(-p, [tilt, 0.0], Time::Always),
         ],
-    });
+    );
     if scene.random.chance(0.5) {
         let weight = scene.strain * scene.random.between(0.01, 0.1);
         beam.weight = [Amount::from(0.5 * weight), Amount::from(-weight)];
     }
     let punch = &mut scene.problem.bodies[1];
     punch.supports.push(hold(on("left"), 0));
-    punch.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::from(scene.strain * 0.1),
-    });
+    punch.press("top", Amount::from(scene.strain * 0.1));
     let law = scene.law(0.25);
     scene.touch(side("punch", "bottom"), side("beam", "top"), law);
     // lines of the mesh, the held end among them, short of the punch
@@ -169,17 +163,11 @@ pub fn layers(scene: &mut Scene) {
     rock.more.beyond = Some(beyond.clone());
     rock.supports.push(clamp(on("bottom")));
     if scene.random.chance(0.5) {
-        rock.loads.push(Load::Pressure {
-            side: "right".to_string(),
-            field: Amount::from(0.5 * p),
-        });
+        rock.press("right", Amount::from(0.5 * p));
     }
     let punch = &mut scene.problem.bodies[1];
     punch.supports.push(hold(on("left"), 0));
-    punch.loads.push(Load::Pressure {
-        side: "top".to_string(),
-        field: Amount::from(p),
-    });
+    punch.press("top", Amount::from(p));
     let law = scene.law(0.25);
     let c = scene.touch(side("punch", "bottom"), side("rock", "top"), law);
     if let crate::problem::Against::Side { chosen, .. } = &mut scene.problem.contacts[c].against {
@@ -287,10 +275,7 @@ pub fn couple(scene: &mut Scene) {
         block.supports[0].axes[0] = Some(along);
     } else {
         block.supports.push(hold(on("left"), 0));
-        block.loads.push(Load::Traction {
-            side: "top".to_string(),
-            field: [Amount::timed(aside, time), Amount::from(-down)],
-        });
+        block.pull("top", [Amount::timed(aside, time), Amount::from(-down)]);
     }
     let area = w * block.thickness;
     let mut coupled = scene.problem.clone();
@@ -332,10 +317,7 @@ pub fn bar(scene: &mut Scene) {
     let push = p * scene.random.between(-0.1, 0.1);
     let stiffness = scene.random.magnitude(0.1, 10.0) * scene.problem.bodies[1].thickness;
     let block = &mut scene.problem.bodies[1];
-    block.loads.push(Load::Traction {
-        side: "top".to_string(),
-        field: [Amount::timed(push, time), Amount::from(-p)],
-    });
+    block.pull("top", [Amount::timed(push, time), Amount::from(-p)]);
     let spring = Bar {
         at: [0.0, h],
         stiffness,
@@ -368,14 +350,8 @@ pub fn yielding(scene: &mut Scene) {
     let block = &mut scene.problem.bodies[1];
     let stiffness = scene.random.magnitude(0.1, 10.0) * block.thickness;
     let most = stiffness * scene.strain * w * scene.random.magnitude(0.01, 1.0);
-    block.loads.push(Load::Traction {
-        side: "left".to_string(),
-        field: [Amount::timed(pull, time), Amount::from(0.0)],
-    });
-    block.loads.push(Load::Traction {
-        side: "top".to_string(),
-        field: [Amount::from(0.0), Amount::from(-p)],
-    });
+    block.pull("left", [Amount::timed(pull, time), Amount::from(0.0)]);
+    block.pull("top", [Amount::from(0.0), Amount::from(-p)]);
     block.more.bar = Some(Bar {
         at: [0.0, h],
         stiffness,
@@ -419,7 +395,7 @@ pub fn graded(scene: &mut Scene) {
             places
         };
         let (xs, ys) = (lines(from[0], to[0]), lines(from[1], to[1]));
-        let text = crate::twins::gmsh(&grid(&xs, &ys, kind), 0.0);
+        let text = crate::carry::gmsh(&grid(&xs, &ys, kind), |x| x);
         let shape = Shape::File {
             name: format!("{name}.msh"),
             text,

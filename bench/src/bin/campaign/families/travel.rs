@@ -6,8 +6,9 @@
 use super::Scene;
 use crate::amount::{Amount, Time};
 use crate::overlap::depth;
-use crate::plane::{Vector, plus, rotated};
+use crate::plane::{Vector, rotated};
 use crate::problem::{Edge, Known, Law, Shape, clamp, moved, on, side, steps};
+use crate::vector::plus;
 
 /// A deeper penetration must be refused; a distance below a tenth of it is not judged.
 const DEEP: f64 = 0.01;
@@ -184,7 +185,7 @@ fn deepest(a: &[Vector], b: &[Vector]) -> (f64, f64) {
         let others = pieces(other);
         for [p, q] in pieces(own) {
             for k in 0..40 {
-                let x = plus(p, k as f64 / 40.0, crate::plane::minus(q, p));
+                let x = plus(p, k as f64 / 40.0, crate::vector::minus(q, p));
                 let (inside, near) = depth(x, others.iter().copied());
                 (deep, apart) = (deep.max(inside), apart.min(near));
             }

@@ -1,12 +1,12 @@
 //! Bodies near the limit of friction; corners of walls; moving obstacles.
 
 use super::boxes::{floor, pressed};
-use super::{Margin, Push, Scene, course, from_below};
+use super::{Drive, Field, Law, Margin, Number, Push, Scene, Shape, Surface, course, from_below};
 use crate::amount::Time;
-use crate::problem::{Known, side};
-use crate::space::geometry::{cross, plus, times, unit};
-use crate::space::problem::{Drive, Field, Law, Number, Shape, Surface};
-use crate::space::solids::Solid;
+use crate::cells::Kind;
+use crate::problem::{Known, constant, round, side};
+use crate::statics::beside_limit;
+use crate::vector::{cross, plus, times, unit};
 use std::f64::consts::TAU;
 
 /// A box or a column under its weight on a slope of any direction, a rigid plane or another body.
@@ -20,15 +20,14 @@ pub fn incline(scene: &mut Scene) {
         true => (add_column(scene, w, h), "first"),
         false => (scene.cuboid("block", [0.0; 3], [w, d, h], 2), "bottom"),
     };
-    let slope = scene.margin() * mu;
+    let slope = beside_limit(&mut scene.random) * mu;
     let [x, y] = scene.direction(slope, [1.0, 1.0]);
     let g = scene.strain;
-    scene.problem.bodies[block].weight =
-        crate::space::problem::constant(times(g, unit([x, y, -1.0])));
-    let law = Law::Coulomb(mu);
+    scene.problem.bodies[block].weight = constant(times(g, unit([x, y, -1.0])));
+    let law = Law::rubbing(mu);
     let (mut low, mut high) = ([0.0; 2], [w, d]);
     if scene.random.chance(0.4) {
-        scene.stand(side("block", sole), floor(0.0), None, law);
+        scene.stand(side("block", sole), floor(0.0), Drive::Nothing, law);
     } else {
         let least = if column { w } else { -0.1 };
         let out = [0; 4].map(|_| scene.random.between(least, least + 0.5));
@@ -68,7 +67,7 @@ fn add_column(scene: &mut Scene, radius: f64, height: f64) -> usize {
         height,
         layers: 1,
     };
-    let kind = scene.random.pick(&[Solid::Prism6, Solid::Prism15]);
+    let kind = scene.random.pick(&[Kind::Prism6, Kind::Prism15]);
     scene.add("block", shape, kind)
 }
 
@@ -90,7 +89,7 @@ pub fn groove(scene: &mut Scene) {
         corners.push([-foot * a, foot * h]);
         names.push("foot");
     }
-    let kind = scene.random.pick(&[Solid::Prism6, Solid::Prism15]);
+    let kind = scene.random.pick(&[Kind::Prism6, Kind::Prism15]);
     let size = h * scene.random.between(0.4, 0.9);
     let layers = scene.random.count(1, 3);
     let shape = Shape::Column {
@@ -112,13 +111,12 @@ pub fn groove(scene: &mut Scene) {
     for ((name, sign), mu) in [("right", 1.0), ("left", -1.0)].into_iter().zip(mu) {
         let along = unit([sign * a, h, 0.0]);
         let normal = cross([0.0, 0.0, sign], along);
-        let surface = Surface::plane(times(0.7, along), normal);
-        let law = if mu > 0.0 {
-            Law::Coulomb(mu)
-        } else {
-            Law::Frictionless
+        let surface = Surface::Plane {
+            point: times(0.7, along),
+            normal,
         };
-        scene.stand(side("wedge", name), surface, None, law);
+        let law = Law::rubbing(mu);
+        scene.stand(side("wedge", name), surface, Drive::Nothing, law);
         for y in [foot * h, h] {
             for z in [0.0, long] {
                 let at = [sign * y * half.tan(), y, z];
@@ -163,16 +161,15 @@ pub fn corner(scene: &mut Scene) {
         } else {
             0.0
         };
-        let law = if mu > 0.0 {
-            Law::Coulomb(mu)
-        } else {
-            Law::Frictionless
-        };
+        let law = Law::rubbing(mu);
         let clear = p * scene.random.pick(&[0.0, 0.0, 0.0, 0.2]);
         let mut normal = [0.0; 3];
         normal[axis] = 1.0;
-        let surface = Surface::plane(times(-clear, normal), normal);
-        scene.stand(side("block", names[axis].0), surface, None, law);
+        let surface = Surface::Plane {
+            point: times(-clear, normal),
+            normal,
+        };
+        scene.stand(side("block", names[axis].0), surface, Drive::Nothing, law);
         let [b, c] = [(axis + 1) % 3, (axis + 2) % 3];
         for (s, t) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
             let mut at = [0.0; 3];
@@ -216,37 +213,45 @@ pub fn mover(scene: &mut Scene) {
     ];
     let center = [over[0], over[1], h + clear + radius];
     let surface = match scene.random.count(0, 3) {
-        0 => Surface::sphere(center, radius),
+        0 => round("", center, radius).1,
         1 => {
             let [x, y] = scene.direction(1.0, [1.0, 1.0]);
-            Surface::cylinder(center, [x, y, 0.0], radius)
+            Surface::Cylinder {
+                point: center,
+                axis: [x, y, 0.0],
+                radius,
+                inside: false,
+            }
         }
         _ => {
             // a little tilted
             let tilt = scene.direction(scene.strain, [-0.3, 0.3]);
             let point = [over[0], over[1], h + clear];
-            Surface::plane(point, unit([tilt[0], tilt[1], -1.0]))
+            Surface::Plane {
+                point,
+                normal: unit([tilt[0], tilt[1], -1.0]),
+            }
         }
     };
     let law = match scene.random.chance(0.1) {
-        true => Law::Tresca(scene.strain * scene.random.between(0.05, 0.4)),
+        true => Law::Tresca(Number::from(scene.strain * scene.random.between(0.05, 0.4))),
         false => scene.law(0.7),
     };
     if scene.random.chance(0.75) {
         let drive = pressed(scene, depth, count);
-        scene.stand(side("block", "top"), surface, Some(drive), law);
+        scene.stand(side("block", "top"), surface, drive, law);
         scene.holds("the box is held at its bottom");
         return;
     }
     let force = scene.strain * w * d * 0.3;
     let time = Time::Line(0.1, 1.0 / count as f64);
-    let drawn = match law {
-        Law::Coulomb(mu) => scene.direction(force * mu, [0.0, 0.8]),
+    let drawn = match &law {
+        Law::Coulomb(_) => scene.direction(force * law.coefficient(), [0.0, 0.8]),
         _ => [0.0; 2],
     };
     let force = plus([drawn[0], drawn[1], 0.0], -force, [0.0, 0.0, 1.0]);
     let drive = Drive::Force(force.map(|c| Number::timed(c, time)));
-    scene.stand(side("block", "top"), surface, Some(drive), law);
+    scene.stand(side("block", "top"), surface, drive, law);
     scene.problem.known = Known::Open;
     scene.problem.reason = "a force presses the obstacle on a box that is held".to_string();
 }

@@ -1,27 +1,20 @@
 //! Balls on boxes, between plates and in bowls; shafts in rings.
 
 use super::boxes::{floor, pressed};
-use super::{Scene, upwards};
+use super::{Drive, Field, Number, Scene, Shape, Surface, upwards};
 use crate::amount::Time;
-use crate::problem::side;
-use crate::space::geometry::unit;
-use crate::space::problem::{Against, Drive, Field, Gap, Held, Law, Number, Shape, Surface};
-use crate::space::solids::Solid;
+use crate::cells::Kind;
+use crate::problem::{Gap, roller, round, side};
+use crate::vector::unit;
 
 /// Kinds of cells that round bodies may have.
-const ROUND: [Solid; 5] = [
-    Solid::Hex8,
-    Solid::Hex8,
-    Solid::Tet4,
-    Solid::Hex20,
-    Solid::Tet10,
-];
+const ROUND: [Kind; 5] = [Kind::Hex8, Kind::Hex8, Kind::Tet4, Kind::Hex20, Kind::Tet10];
 
 /// A ball of radius one about a point, with its true surface.
-fn add_ball(scene: &mut Scene, center: [f64; 3], kinds: &[Solid]) -> usize {
+fn add_ball(scene: &mut Scene, center: [f64; 3], kinds: &[Kind]) -> usize {
     let kind = scene.random.pick(kinds);
     let around = match kind {
-        Solid::Hex8 => scene.random.pick(&[8, 12]),
+        Kind::Hex8 => scene.random.pick(&[8, 12]),
         _ => 8,
     };
     let shape = Shape::Ball {
@@ -30,8 +23,7 @@ fn add_ball(scene: &mut Scene, center: [f64; 3], kinds: &[Solid]) -> usize {
         cells: [around, 1],
     };
     let ball = scene.add("ball", shape, kind);
-    let surface = Surface::sphere(center, 1.0);
-    scene.problem.bodies[ball].surfaces = vec![("outer".to_string(), surface)];
+    scene.problem.bodies[ball].surfaces = vec![round("outer", center, 1.0)];
     scene.problem.spins = true;
     ball
 }
@@ -42,32 +34,35 @@ pub fn ball(scene: &mut Scene) {
     let ball = add_ball(scene, [0.0, 0.0, 1.0], &ROUND);
     let depth = scene.strain.min(3e-4) * 3.0;
     let rough = if scene.random.chance(0.5) { 1.0 } else { 0.0 };
-    let laws = [0; 2].map(|_| scene.law(rough));
+    let [below, above] = [0; 2].map(|_| scene.law(rough));
     if scene.random.chance(0.5) {
-        scene.stand(side("ball", "outer"), floor(0.0), None, laws[0]);
+        scene.stand(side("ball", "outer"), floor(0.0), Drive::Nothing, below);
     } else {
         let out = scene.random.between(0.4, 1.2);
         let lower = scene.cuboid("lower", [-out, -out, -0.6], [out, 0.9, 0.0], 2);
         scene.hold(lower, "bottom", Field::default());
-        scene.touch(side("ball", "outer"), side("lower", "top"), laws[0]);
+        scene.touch(side("ball", "outer"), side("lower", "top"), below);
     }
     let drive = pressed(scene, depth, count);
     if scene.random.chance(0.5) {
-        let surface = Surface::plane([0.0, 0.0, 2.0], [0.0, 0.0, -1.0]);
-        scene.stand(side("ball", "outer"), surface, Some(drive), laws[1]);
+        let surface = Surface::Plane {
+            point: [0.0, 0.0, 2.0],
+            normal: [0.0, 0.0, -1.0],
+        };
+        scene.stand(side("ball", "outer"), surface, drive, above);
     } else {
         let upper = scene.cuboid("upper", [-0.7, -0.5, 2.0], [0.6, 0.8, 2.5], 2);
         if let Drive::Displacement(field) = drive {
             scene.hold(upper, "top", field);
         }
-        scene.touch(side("ball", "outer"), side("upper", "bottom"), laws[1]);
+        scene.touch(side("ball", "outer"), side("upper", "bottom"), above);
     }
     let body = &mut scene.problem.bodies[ball];
     // the centroid of the tetrahedra is not the centre of the sphere: without friction their weight turns the ball without limit
     let mut spun = false;
     if scene.random.chance(0.3) {
         body.weight = upwards(-0.01 * scene.strain);
-        spun = matches!(body.kind, Solid::Tet4 | Solid::Tet10);
+        spun = matches!(body.kind, Kind::Tet4 | Kind::Tet10);
     }
     let lifted = scene.problem.times.len() > 1;
     if !lifted && rough == 0.0 && !spun {
@@ -79,30 +74,38 @@ pub fn ball(scene: &mut Scene) {
 pub fn bowl(scene: &mut Scene) {
     let count = scene.steps(&[1, 1, 3]);
     // the centroid of the hexahedra is the centre of the ball: no moment turns them without friction
-    let ball = add_ball(scene, [0.0, 0.0, 1.0], &[Solid::Hex8, Solid::Hex20]);
+    let ball = add_ball(scene, [0.0, 0.0, 1.0], &[Kind::Hex8, Kind::Hex20]);
     let radius = scene.random.magnitude(1.02, 3.0);
     let surface = match scene.random.chance(0.6) {
-        true => Surface::sphere([0.0, 0.0, radius], radius),
+        true => Surface::Round {
+            center: [0.0, 0.0, radius],
+            radius,
+            inside: true,
+        },
         false => {
             let axis = unit([1.0, scene.random.between(-1.0, 1.0), 0.0]);
-            Surface::cylinder([0.0, 0.0, radius], axis, radius)
+            Surface::Cylinder {
+                point: [0.0, 0.0, radius],
+                axis,
+                radius,
+                inside: true,
+            }
         }
     };
     let law = scene.law(0.5);
-    let drive = scene.random.chance(0.3).then(|| {
-        let by = scene.strain * scene.random.between(0.1, 1.0);
-        Drive::Displacement(upwards(by))
-    });
-    let against = Against::Obstacle {
-        surface,
-        inside: true,
-        drive,
+    let drive = match scene.random.chance(0.3) {
+        true => {
+            let by = scene.strain * scene.random.between(0.1, 1.0);
+            Drive::Displacement(upwards(by))
+        }
+        false => Drive::Nothing,
     };
-    scene.push(side("ball", "outer"), against, law);
+    let mu = law.coefficient();
+    scene.stand(side("ball", "outer"), surface, drive, law);
     let g = 0.1 * scene.strain.min(3e-4);
-    let lean = match law {
-        Law::Coulomb(mu) => scene.direction(g * mu, [0.0, 0.5]),
-        _ => [0.0; 2],
+    let lean = match mu > 0.0 {
+        true => scene.direction(g * mu, [0.0, 0.5]),
+        false => [0.0; 2],
     };
     let time = Time::Line(0.0, 1.0 / count as f64);
     scene.problem.bodies[ball].weight = [
@@ -147,7 +150,12 @@ pub fn fit(scene: &mut Scene) {
         } else {
             ("outer", radii[1])
         };
-        let surface = Surface::cylinder([0.0; 3], [0.0, 0.0, 1.0], radius);
+        let surface = Surface::Cylinder {
+            point: [0.0; 3],
+            axis: [0.0, 0.0, 1.0],
+            radius,
+            inside: false,
+        };
         scene.problem.bodies[body].surfaces = vec![(side.to_string(), surface)];
     }
     let law = scene.law(0.6);
@@ -157,7 +165,7 @@ pub fn fit(scene: &mut Scene) {
         contacts[0].gap = if fit == 0.0 {
             Gap::Closed
         } else {
-            Gap::Given(fit)
+            Gap::Given(Number::from(fit))
         };
     }
     scene.problem.spins = true;
@@ -175,9 +183,9 @@ pub fn fit(scene: &mut Scene) {
             scene.pull(1, "top", [x, y, Number::default()]);
         }
         _ => {
-            let drawn = Held::Normal(Number::timed(p, Time::Line(0.0, 0.5)));
+            let drawn = Number::timed(p, Time::Line(0.0, 0.5));
             let supports = &mut scene.problem.bodies[1].supports;
-            supports.push(("bottom".to_string(), drawn));
+            supports.push(roller("bottom", drawn));
         }
     }
 }

@@ -1,10 +1,11 @@
 //! Boxes on boxes.
 
-use super::{Margin, Scene, course, from_below, upwards};
+use super::{
+    Drive, Field, Law, Margin, Number, Scene, Shape, Surface, course, from_below, upwards,
+};
 use crate::amount::Time;
-use crate::problem::{Known, side};
-use crate::space::problem::{Drive, Field, Gap, Law, Load, Number, Shape, Surface};
-use crate::space::solids::Solid;
+use crate::cells::Kind;
+use crate::problem::{Gap, Known, side};
 
 /// Boxes of one cross-section on each other, pressed evenly: the pressure is the same everywhere, whatever the meshes are.
 pub fn uniform(scene: &mut Scene) {
@@ -32,23 +33,23 @@ pub fn uniform(scene: &mut Scene) {
     }
     if rigid || n == 1 {
         let surface = floor(0.0);
-        scene.stand(side("b0", "bottom"), surface, None, Law::Frictionless);
+        let law = Law::Frictionless;
+        scene.stand(side("b0", "bottom"), surface, Drive::Nothing, law);
     } else {
         scene.roll(0, "bottom");
     }
     let p = scene.strain;
-    let field = Number::from(p);
-    let side = "top".to_string();
-    scene.problem.bodies[n - 1]
-        .loads
-        .push(Load::Pressure { side, field });
-    scene.problem.uniform = Some(p);
+    scene.problem.bodies[n - 1].press("top", Number::from(p));
+    scene.problem.uniform = Some(Number::from(p));
     scene.holds("boxes of one cross-section under an even pressure");
 }
 
 /// A plane that looks upwards.
 pub fn floor(z: f64) -> Surface {
-    Surface::plane([0.3, 0.2, z], [0.0, 0.0, 1.0])
+    Surface::Plane {
+        point: [0.3, 0.2, z],
+        normal: [0.0, 0.0, 1.0],
+    }
 }
 
 /// Boxes on each other that overlap in part, tied, rough or smooth, pressed, drawn and turned.
@@ -74,11 +75,11 @@ pub fn stack(scene: &mut Scene) {
         if matching && b > 0 {
             scene.problem.bodies[b].kind = scene.problem.bodies[0].kind;
             let cells = |shape: &mut Shape| match shape {
-                Shape::Cuboid { cells, .. } => *cells,
+                Shape::Block { cells, .. } => *cells,
                 _ => [1; 3],
             };
             let first = cells(&mut scene.problem.bodies[0].shape);
-            if let Shape::Cuboid { cells, .. } = &mut scene.problem.bodies[b].shape {
+            if let Shape::Block { cells, .. } = &mut scene.problem.bodies[b].shape {
                 (cells[0], cells[1]) = (first[0], first[1]);
             }
         }
@@ -86,24 +87,18 @@ pub fn stack(scene: &mut Scene) {
             0 | 1 => Law::Tied,
             _ => scene.law(0.6),
         };
-        let mu = match law {
-            Law::Coulomb(mu) => mu,
-            _ => 0.0,
-        };
+        let mu = law.coefficient();
+        let tied = law == Law::Tied;
         if b == 0 && rigid {
-            let law = if law == Law::Tied {
-                Law::Frictionless
-            } else {
-                law
-            };
-            scene.stand(side("b0", "bottom"), floor(0.0), None, law);
+            let law = if tied { Law::Frictionless } else { law };
+            scene.stand(side("b0", "bottom"), floor(0.0), Drive::Nothing, law);
         } else if b == 0 {
             scene.hold(body, "bottom", Field::default());
         } else {
             let (lower, upper) = (format!("b{}", b - 1), format!("b{b}"));
             scene.touch(side(&upper, "bottom"), side(&lower, "top"), law);
         }
-        if (b > 0 && law != Law::Tied) || (b == 0 && rigid) {
+        if (b > 0 && !tied) || (b == 0 && rigid) {
             let at = |d: usize| (low[d].max(below.0[d]), high[d].min(below.1[d]));
             let [x, y] = [at(0), at(1)];
             let pushes = from_below([x.0, y.0], [x.1, y.1], z, mu);
@@ -129,10 +124,7 @@ pub fn stack(scene: &mut Scene) {
         other => other,
     };
     let field = Number::new(constant, [slope[0], slope[1], 0.0], time);
-    let top = "top".to_string();
-    scene.problem.bodies[n - 1]
-        .loads
-        .push(Load::Pressure { side: top, field });
+    scene.problem.bodies[n - 1].press("top", field);
     if !smooth || scene.random.chance(0.05) {
         let part = if friction.is_finite() { friction } else { 1.0 };
         let [x, y] = scene.direction(part * p, [0.1, 1.2]);
@@ -175,14 +167,18 @@ pub fn bridge(scene: &mut Scene) {
     if rigid {
         for (b, name) in ["left", "right"].into_iter().enumerate() {
             scene.hold(b, "bottom", Field::default());
-            scene.touch(side("lintel", "bottom"), side(name, "top"), laws[b]);
+            scene.touch(side("lintel", "bottom"), side(name, "top"), laws[b].clone());
         }
     } else {
         let floor = scene.cuboid("floor", [-0.2, -0.2, -0.4], [span + 0.2, 1.2, 0.0], 3);
         scene.hold(floor, "bottom", Field::default());
         for (b, name) in ["left", "right"].into_iter().enumerate() {
-            scene.touch(side(name, "bottom"), side("floor", "top"), laws[2 + b]);
-            scene.touch(side("lintel", "bottom"), side(name, "top"), laws[b]);
+            scene.touch(
+                side(name, "bottom"),
+                side("floor", "top"),
+                laws[2 + b].clone(),
+            );
+            scene.touch(side("lintel", "bottom"), side(name, "top"), laws[b].clone());
         }
     }
     for contact in &mut scene.problem.contacts {
@@ -218,11 +214,12 @@ pub fn history(scene: &mut Scene) {
     let upper = scene.cuboid("upper", [0.0, 0.0, 0.0], [w, d, h], 2);
     let mu = scene.coefficient();
     let law = match scene.random.chance(0.15) {
-        true => Law::Tresca(scene.strain * scene.random.between(0.05, 0.4)),
-        false => Law::Coulomb(mu),
+        true => Law::Tresca(Number::from(scene.strain * scene.random.between(0.05, 0.4))),
+        false => Law::Coulomb(Number::from(mu)),
     };
+    let coulomb = matches!(law, Law::Coulomb(_));
     if rigid {
-        scene.stand(side("upper", "bottom"), floor(0.0), None, law);
+        scene.stand(side("upper", "bottom"), floor(0.0), Drive::Nothing, law);
     } else {
         let (from, to) = ([-out[0], -out[1], -low], [w + 0.2, d + 0.3, 0.0]);
         let lower = scene.cuboid("lower", from, to, 2);
@@ -243,7 +240,7 @@ pub fn history(scene: &mut Scene) {
     }
     let [x, y] = scene.path(p * mu, [0.2, 0.95], count);
     scene.pull(upper, "top", [x, y, Number::from(-p)]);
-    if let Law::Coulomb(mu) = law {
+    if coulomb {
         let at = if rigid {
             [0.0; 2]
         } else {
@@ -292,30 +289,37 @@ pub fn crowd(scene: &mut Scene) {
         let [from, to] = [0, 1].map(|end| std::array::from_fn(|d| planes[d][i[d] + end]));
         let cells = [division; 3];
         let name = format!("b{}", place(i));
-        let body = scene.add(&name, Shape::Cuboid { from, to, cells }, Solid::Hex8);
+        let shape = Shape::Block {
+            from,
+            to,
+            cells,
+            diagonals: "",
+        };
+        let body = scene.add(&name, shape, Kind::Hex8);
         scene.problem.bodies[body].weight = upwards(-p * scene.random.between(0.0, 0.5));
         if i[2] + 1 == rows[2] && scene.random.chance(0.7) {
             let field = Number::from(p * scene.random.between(0.1, 1.0));
-            let side = "top".to_string();
-            let load = Load::Pressure { side, field };
-            scene.problem.bodies[body].loads.push(load);
+            scene.problem.bodies[body].press("top", field);
         }
     }
     for i in all {
         let name = format!("b{}", place(i));
         for (axis, [behind, before]) in SIDES.into_iter().enumerate() {
             let mut law = || match scene.random.chance(0.9) {
-                true => Law::Coulomb(scene.random.between(0.0, rough)),
+                true => Law::Coulomb(Number::from(scene.random.between(0.0, rough))),
                 false => Law::Frictionless,
             };
             let (first, second) = (law(), law());
             let wall = |at: f64, sign: f64| {
                 let axes =
                     |value: f64| std::array::from_fn(|d| if d == axis { value } else { 0.0 });
-                Surface::plane(axes(at), axes(sign))
+                Surface::Plane {
+                    point: axes(at),
+                    normal: axes(sign),
+                }
             };
             if i[axis] == 0 {
-                scene.stand(side(&name, behind), wall(0.0, 1.0), None, first);
+                scene.stand(side(&name, behind), wall(0.0, 1.0), Drive::Nothing, first);
             }
             if i[axis] + 1 < rows[axis] {
                 let mut next = i;
@@ -324,7 +328,7 @@ pub fn crowd(scene: &mut Scene) {
                 scene.touch(side(&name, before), side(&next, behind), second);
             } else if axis < 2 {
                 let wall = wall(planes[axis][rows[axis]], -1.0);
-                scene.stand(side(&name, before), wall, None, second);
+                scene.stand(side(&name, before), wall, Drive::Nothing, second);
             }
         }
     }

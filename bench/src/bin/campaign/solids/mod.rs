@@ -10,20 +10,30 @@ mod boxes;
 mod friction;
 mod rounds;
 
-use super::Mesh;
-use super::elastic::external;
-use super::geometry::{AXES, Vector, cross, length, mean, minus, plus, random_rotation};
-use super::problem::{
-    Against, Body, Carry, Contact, Drive, Field, Gap, Held, Law, Load, Number, Problem, Shape,
-    Surface, constant, jitter,
+use crate::amount::{Amount, Time};
+use crate::carry::Carry;
+use crate::cells::Kind;
+use crate::elastic::external;
+use crate::jitter::jitter;
+use crate::problem::{
+    self, Against, Analysis, Contact, Gap, Known, Pairing, Side, constant, driven, on, roller,
+    steps,
 };
-use super::solids::Solid;
-use super::wrench::cone;
-use crate::amount::Time;
-use crate::cone::distance;
-use crate::problem::{Known, Pairing, Side};
 use crate::random::Random;
+use crate::raw::Mesh;
 use crate::solve::meshes;
+use crate::statics::{MARGIN, both, held, poisson};
+use crate::vector::{axes, cross, minus, random_rotation};
+
+type Vector = [f64; 3];
+type Number = Amount<3>;
+type Field = problem::Field<3>;
+type Body = problem::Body<3>;
+type Problem = problem::Problem<3>;
+type Shape = problem::Shape<3>;
+type Surface = problem::Surface<3>;
+type Drive = problem::Drive<3>;
+type Law = problem::Law<3>;
 
 /// Makes a problem.
 type Make = fn(&mut Scene);
@@ -83,13 +93,13 @@ pub struct Scene {
     ratio: f64,
     /// Unknowns of the displacements, about.
     dofs: f64,
-    kinds: Vec<Solid>,
+    kinds: Vec<Kind>,
     parts: Vec<Part>,
 }
 
 impl Scene {
     fn new(mut random: Random, family: &'static str) -> Self {
-        use Solid::*;
+        use Kind::{Hex8, Hex20, Hex27, Prism6, Prism15, Prism18, Tet4, Tet10};
         let all = [Hex8, Tet4, Hex20, Tet10, Hex27, Prism6, Prism15, Prism18];
         let ratio = match random.count(0, 9) {
             0..=4 => 1.0,
@@ -104,17 +114,7 @@ impl Scene {
                 true => vec![random.pick(&all)],
                 false => all.to_vec(),
             },
-            problem: Problem {
-                family,
-                bodies: Vec::new(),
-                contacts: Vec::new(),
-                times: vec![1.0],
-                known: Known::Open,
-                reason: String::new(),
-                uniform: None,
-                spins: false,
-                method: "auto".to_string(),
-            },
+            problem: Problem::new(family, Analysis::Space),
             parts: Vec::new(),
             random,
         }
@@ -127,7 +127,7 @@ impl Scene {
         let bodies = self.problem.bodies.iter_mut();
         bodies.for_each(|body| body.young /= softest);
         // the problem is solved without a change, so that the program reports its own error
-        let Ok(mut meshes) = meshes::<Solid, 3>(&self.problem.text()) else {
+        let Ok(mut meshes) = meshes::<3>(&self.problem.text()) else {
             return self.problem;
         };
         self.judge(&meshes);
@@ -154,7 +154,7 @@ impl Scene {
         let (lengths, forces) = (unit(), unit());
         let turn = match random.chance(0.8) {
             true => random_rotation(random),
-            false => AXES,
+            false => axes(),
         };
         let far = match random.chance(0.3) {
             true => lengths * random.magnitude(1.0, 100.0),
@@ -166,19 +166,20 @@ impl Scene {
             forces,
             shift: random_rotation(random)[0].map(|c| far * c),
         };
-        self.problem.carried(&meshes, &carry)
+        let carried = carry.problem(&self.problem, Some(&meshes));
+        carried.unwrap_or(self.problem)
     }
 
     /// Decides from the parts whether the contacts hold: each with the wrench of its loads at every time, and its possible pushes.
-    fn judge(&mut self, meshes: &[Mesh]) {
+    fn judge(&mut self, meshes: &[Mesh<3>]) {
         let mut known = Known::Holds;
         for part in &self.parts {
             for &t in &self.problem.times {
                 let mut load = ([0.0; 3], [0.0; 3]);
                 for &b in &part.bodies {
-                    let forces = external(&meshes[b], &self.problem.bodies[b], t);
+                    let forces = external(&meshes[b], &self.problem.bodies[b], Analysis::Space, t);
                     for (&x, &f) in meshes[b].points.iter().zip(&forces) {
-                        load = (plus(load.0, 1.0, f), plus(load.1, 1.0, cross(x, f)));
+                        load = both(load, (f, cross(x, f)));
                     }
                 }
                 let inside = match part.margin {
@@ -217,32 +218,19 @@ impl Scene {
     }
 
     /// Kind of the next body's cells.
-    pub fn kind(&mut self) -> Solid {
+    pub fn kind(&mut self) -> Kind {
         self.random.pick(&self.kinds)
     }
 
     /// A body without supports and loads.
-    pub fn add(&mut self, name: &str, shape: Shape, kind: Solid) -> usize {
+    pub fn add(&mut self, name: &str, shape: Shape, kind: Kind) -> usize {
         let young = match self.ratio > 1.0 && self.random.chance(0.5) {
             true => self.random.magnitude(1.0, self.ratio),
             false => 1.0,
         };
-        let poisson = match self.random.count(0, 9) {
-            0 => 0.0,
-            1 => 0.45,
-            _ => self.random.between(0.15, 0.4),
-        };
-        self.problem.bodies.push(Body {
-            name: name.to_string(),
-            shape,
-            kind,
-            young,
-            poisson,
-            supports: Vec::new(),
-            loads: Vec::new(),
-            weight: Field::default(),
-            surfaces: Vec::new(),
-        });
+        let poisson = poisson(&mut self.random);
+        let body = Body::new(name, shape, kind, [young, poisson]);
+        self.problem.bodies.push(body);
         self.problem.bodies.len() - 1
     }
 
@@ -250,35 +238,39 @@ impl Scene {
     pub fn cuboid(&mut self, name: &str, from: Vector, to: Vector, bodies: usize) -> usize {
         let kind = self.kind();
         let per_cell = match kind {
-            Solid::Hex8 | Solid::Tet4 | Solid::Prism6 => 3.0,
-            Solid::Hex20 => 12.0,
-            Solid::Prism15 => 15.0,
+            Kind::Hex8 | Kind::Tet4 | Kind::Prism6 => 3.0,
+            Kind::Hex20 => 12.0,
+            Kind::Prism15 => 15.0,
             _ => 24.0,
         };
         let [a, b, c] = minus(to, from);
         let cell = (a * b * c * per_cell * bodies as f64 / self.dofs).cbrt();
         let cell = cell * self.random.magnitude(0.7, 1.5);
         let cells = [a, b, c].map(|side| ((side / cell).round() as usize).clamp(1, 6));
-        self.add(name, Shape::Cuboid { from, to, cells }, kind)
+        let shape = Shape::Block {
+            from,
+            to,
+            cells,
+            diagonals: "",
+        };
+        self.add(name, shape, kind)
     }
 
     /// Holds all components of a side, or moves it.
     pub fn hold(&mut self, body: usize, side: &str, field: Field) {
         let supports = &mut self.problem.bodies[body].supports;
-        supports.push((side.to_string(), Held::All(field)));
+        supports.push(driven(on(side), field));
     }
 
     /// Holds a side along its normal.
     pub fn roll(&mut self, body: usize, side: &str) {
         let supports = &mut self.problem.bodies[body].supports;
-        supports.push((side.to_string(), Held::Normal(Number::from(0.0))));
+        supports.push(roller(side, Number::from(0.0)));
     }
 
     /// A traction on a side.
     pub fn pull(&mut self, body: usize, side: &str, field: Field) {
-        let side = side.to_string();
-        let loads = &mut self.problem.bodies[body].loads;
-        loads.push(Load::Traction { side, field });
+        self.problem.bodies[body].pull(side, field);
     }
 
     /// A contact of two sides, in either order and by either kind of name.
@@ -290,17 +282,12 @@ impl Scene {
     }
 
     /// A contact with an obstacle.
-    pub fn stand(&mut self, own: Side, surface: Surface, drive: Option<Drive>, law: Law) {
-        let against = Against::Obstacle {
-            surface,
-            inside: false,
-            drive,
-        };
-        self.push(own, against, law);
+    pub fn stand(&mut self, own: Side, surface: Surface, drive: Drive, law: Law) {
+        self.push(own, Against::Obstacle { surface, drive }, law);
     }
 
     /// A contact.
-    pub fn push(&mut self, own: Side, against: Against, law: Law) {
+    pub fn push(&mut self, own: Side, against: Against<3>, law: Law) {
         let name = format!("c{}", self.problem.contacts.len());
         let gap = match law != Law::Tied && self.random.chance(0.1) {
             true => Gap::Geometric,
@@ -332,7 +319,7 @@ impl Scene {
     /// Frictionless or, with this probability, Coulomb's law.
     pub fn law(&mut self, rough: f64) -> Law {
         match self.random.chance(rough) {
-            true => Law::Coulomb(self.coefficient()),
+            true => Law::Coulomb(Amount::from(self.coefficient())),
             false => Law::Frictionless,
         }
     }
@@ -340,7 +327,7 @@ impl Scene {
     /// Steps at the times 1, 2, ..
     pub fn steps(&mut self, counts: &[usize]) -> usize {
         let count = self.random.pick(counts);
-        self.problem.times = (1..=count).map(|step| step as f64).collect();
+        self.problem.times = steps(count);
         count
     }
 
@@ -363,16 +350,6 @@ impl Scene {
         let size = size * self.random.between(part[0], part[1]);
         [size * c, size * s]
     }
-
-    /// A factor of the limit: just inside, just outside, or farther from it.
-    pub fn margin(&mut self) -> f64 {
-        match self.random.count(0, 5) {
-            0 | 1 => 0.99,
-            2 | 3 => 1.011,
-            4 => self.random.between(0.2, 0.98),
-            _ => self.random.between(1.02, 1.5),
-        }
-    }
 }
 
 /// A history of loads: constant, growing, or to and fro.
@@ -384,13 +361,8 @@ pub fn course(random: &mut Random, steps: usize) -> Time {
     }
 }
 
-/// A possible push: its point, its unit direction (into the body), and its coefficient of friction.
-#[derive(Debug, Clone, Copy)]
-pub struct Push {
-    pub at: Vector,
-    pub direction: Vector,
-    pub friction: f64,
-}
+/// A possible push.
+pub type Push = crate::statics::Push<3>;
 
 /// Pushes from below at the corners of a rectangle at a height.
 pub fn from_below(low: [f64; 2], high: [f64; 2], z: f64, friction: f64) -> Vec<Push> {
@@ -402,45 +374,10 @@ pub fn from_below(low: [f64; 2], high: [f64; 2], z: f64, friction: f64) -> Vec<P
     ];
     let push = |[x, y]: [f64; 2]| Push {
         at: [x, y, z],
-        direction: AXES[2],
+        direction: axes()[2],
         friction,
     };
     corners.map(push).to_vec()
-}
-
-/// Margin to bodies that fall: this part of lengths, and of coefficients of friction.
-const MARGIN: f64 = 0.009;
-
-/// Whether pushes can hold a load (a force and a moment about the origin); `inside` is the margin of held bodies.
-fn held((force, moment): (Vector, Vector), pushes: &[Push], inside: f64) -> Known {
-    let places: Vec<Vector> = pushes.iter().map(|p| p.at).collect();
-    let middle = mean(&places);
-    let far = places.iter().map(|&x| length(minus(x, middle)));
-    let arm = far.fold(1e-9, f64::max);
-    let turned = minus(moment, cross(middle, force));
-    let scale = length(force).max(length(turned) / arm);
-    if scale == 0.0 {
-        return Known::Open;
-    }
-    let row = |f: Vector, m: Vector| [f[0], f[1], f[2], m[0] / arm, m[1] / arm, m[2] / arm];
-    let target = row(force, turned).map(|c| -c / scale);
-    let off = |stretch: f64, around: bool| {
-        let mut columns = Vec::new();
-        for push in pushes {
-            let to = super::geometry::times(stretch, minus(push.at, middle));
-            for f in cone(push.direction, stretch * push.friction, 64, around) {
-                columns.push(row(f, cross(to, f)));
-            }
-        }
-        distance(&columns, target)
-    };
-    if off(1.0 - inside, false) < 1e-12 {
-        Known::Holds
-    } else if off(1.0 + MARGIN, true) > 1e-4 * MARGIN {
-        Known::Falls
-    } else {
-        Known::Open
-    }
 }
 
 /// The same everywhere and always, along z.
@@ -461,24 +398,5 @@ mod tests {
                 assert!(!a.bodies.is_empty() && !a.contacts.is_empty(), "{name}");
             }
         }
-    }
-
-    #[test]
-    fn statics_knows_what_tips_slides_and_spins() {
-        let floor = from_below([0.0, 0.0], [2.0, 1.0], 0.0, 0.5);
-        let at = |x: Vector, f: Vector| held((f, cross(x, f)), &floor, MARGIN);
-        let down = |x: f64, y: f64| at([x, y, 0.0], [0.0, 0.0, -1.0]);
-        assert_eq!(down(1.97, 0.5), Known::Holds);
-        assert_eq!(down(2.03, 0.5), Known::Falls);
-        assert_eq!(down(1.0, 1.03), Known::Falls);
-        let (s, c) = 0.77f64.sin_cos();
-        let drawn = |part: f64| at([1.0, 0.5, 0.0], [part * c, part * s, -1.0]);
-        assert_eq!(drawn(0.49), Known::Holds);
-        assert_eq!(drawn(0.51), Known::Falls);
-        assert_eq!(at([1.0, 0.5, 0.0], [0.0, 0.0, 1.0]), Known::Falls);
-        // four corners at a distance of √1.25 with a quarter of the force each
-        let spun = |m: f64| held(([0.0, 0.0, -1.0], [-0.5, 1.0, m]), &floor, MARGIN);
-        assert_eq!(spun(0.54), Known::Holds);
-        assert_eq!(spun(0.58), Known::Falls);
     }
 }
