@@ -495,14 +495,17 @@ fn check_columns<const D: usize>(
             // along the row's own normal: a support may have turned it
             let gap = row.gap - touch.clearance(&sample, t) - dot(row.normal, jump);
             judgement.compare("gap", gap.abs(), limits.fine, place);
-            if driven && touch.contact.law.rough() {
+            // in space, rows without friction tell no slip
+            if driven && (D == 2 || touch.contact.law.rough()) {
                 let slip = plus(row.slip, 1.0, across(jump, row.normal));
                 let held = view.state.held[touch.own].get(&row.node);
                 let slip = crate::held::free_part(slip, held);
                 judgement.compare("slip", length(slip), limits.fine, place);
             }
         } else if touch.contact.law != Law::Tied && !touch.mixed.contains(&row.node) {
+            let gap = touch.gap(&sample, moves, obstacle, t);
             let [low, high] = limits.range(&facets);
+            let (low, high) = (low.min(gap), high.max(gap));
             let off = (low - row.gap).max(row.gap - high);
             let limit = blurred + 2.0 * (high - low).max(0.0);
             judgement.compare("gap", off, limit, place);
@@ -526,7 +529,7 @@ fn check_open_forces<const D: usize>(
         row.status != Status::Fixed && row.pressure * row.weight > limit
     };
     for row in rows.iter().filter(bears) {
-        let Some((facets, sample)) = touch.of_row(row) else {
+        let Some((_, sample)) = touch.of_row(row) else {
             continue;
         };
         let place = || view.node(touch.own, row.node);
@@ -534,10 +537,8 @@ fn check_open_forces<const D: usize>(
         if touch.nodal {
             judgement.compare("open force", gap, limits.fine, place);
         } else if row.pressure > 1e-2 * largest && !touch.mixed.contains(&row.node) {
-            // a condition may cover a part of its facets that is far from its node
-            let low = limits.range(&facets)[0];
             let limit = limits.coarse[sample.facet];
-            judgement.compare("open force", gap.min(low), limit, place);
+            judgement.compare("open force", gap, limit, place);
         }
     }
 }

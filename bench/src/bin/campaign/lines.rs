@@ -16,12 +16,13 @@ pub fn facing(problem: &Problem, touch: &Touch<'_, 2>) -> Facing<2> {
     let mut facing = Facing::default();
     let mut area = 0.0;
     for index in 0..touch.skin.facets.len() {
-        for part in parts(touch, index) {
+        let parts = parts(touch, index);
+        for &part in &parts {
             look(touch, index, part, &mut facing);
             area += size(problem, touch, index, part);
         }
-        for k in 0..POINTS {
-            let xi = -1.0 + 2.0 * (k as f64 + 0.5) / POINTS as f64;
+        let even = (0..POINTS).map(|k| -1.0 + 2.0 * (k as f64 + 0.5) / POINTS as f64);
+        for xi in even.chain(ends(&parts)) {
             let at = touch.skin.facets[index].at([xi, 0.0, 0.0]);
             let sample = touch.look(index, &at).map(|(sample, _)| sample);
             facing.between.extend(sample);
@@ -54,6 +55,17 @@ fn parts(touch: &Touch<'_, 2>, index: usize) -> Vec<[f64; 2]> {
         parts.push([from, to]);
     }
     parts
+}
+
+/// Places just inside the ends of what faces the other side.
+fn ends(parts: &[[f64; 2]]) -> Vec<f64> {
+    let all = parts
+        .iter()
+        .flat_map(|&[from, to]| [[from, to], [to, from]]);
+    let alone = |end: f64| parts.iter().flatten().filter(|x| **x == end).count() == 1;
+    all.filter(|[end, _]| alone(*end))
+        .map(|[end, inwards]| end + 1e-9 * (inwards - end))
+        .collect()
 }
 
 /// Where lines along the normals meet ends of the other side's facets; ends and a few places between.

@@ -79,6 +79,8 @@ pub struct Touch<'a, const D: usize> {
     pub facing: Facing<D>,
     /// Facets that face something.
     near: BTreeSet<usize>,
+    /// Normals of the rows of each node.
+    told: BTreeMap<usize, Vec<[f64; D]>>,
     /// Nodes with a facet that faces something.
     pub faced: BTreeSet<usize>,
     pub faced_other: BTreeSet<usize>,
@@ -118,6 +120,10 @@ where
             }
         };
         let opposite = other.map(|(body, side)| skin_of(body, side));
+        let mut told: BTreeMap<usize, Vec<[f64; D]>> = BTreeMap::new();
+        for row in &raw.rows {
+            told.entry(row.node).or_default().push(row.normal);
+        }
         let mut touch = Self {
             contact,
             own,
@@ -129,6 +135,7 @@ where
             exact: false,
             facing: Facing::default(),
             near: BTreeSet::new(),
+            told,
             faced: BTreeSet::new(),
             faced_other: BTreeSet::new(),
             at_nodes: BTreeMap::new(),
@@ -294,10 +301,22 @@ impl<const D: usize> Touch<'_, D> {
         }
     }
 
+    /// The normal of some facets at a node: that of a row if the angle between the two is at most the turn of the side there. A
+    /// support at the end of an arc turns it, and the law holds along it.
+    fn normal(&self, node: usize, facets: &[usize]) -> [f64; D] {
+        let own = self.skin.mean_normal(facets, node);
+        let limit = (1.1 * self.skin.turn).min(1.0);
+        let told = self.told.get(&node).into_iter().flatten();
+        let near = told.filter(|n| self.nodal && length(minus(**n, own)) <= limit);
+        let off = |n: &[f64; D]| length(minus(*n, own));
+        let nearest = near.min_by(|a, b| off(a).total_cmp(&off(b)));
+        nearest.copied().unwrap_or(own)
+    }
+
     /// The sample of a node as a point of some of the facets around it.
     fn at_node(&self, node: usize, x: [f64; D], facets: &[usize]) -> Option<Sample<D>> {
         if matches!(self.contact.against, Against::Obstacle { .. }) {
-            let normal = self.skin.mean_normal(facets, node);
+            let normal = self.normal(node, facets);
             return self.beyond(facets[0], node, x, normal);
         }
         if !self.nodal {
@@ -309,7 +328,7 @@ impl<const D: usize> Touch<'_, D> {
         self.partners.get(&node).map(|&partner| Sample {
             facet: facets[0],
             x,
-            normal: self.skin.mean_normal(facets, node),
+            normal: self.normal(node, facets),
             own: vec![(node, 1.0)],
             other: vec![(partner, 1.0)],
             distance: 0.0,
