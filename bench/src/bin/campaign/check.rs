@@ -211,14 +211,15 @@ fn sagitta<const D: usize>(view: &View<'_, D>, c: usize) -> f64 {
     {
         return (D - 1) as f64 * touch.skin.longest.powi(2) / (8.0 * radius);
     }
-    let both = view.sides(c).map(|(_, skin, _)| skin.sagitta()).sum();
+    let sagittas = view.sides(c).map(|(_, skin, _)| skin.sagitta());
+    let most = sagittas.fold(0.0, f64::max);
     let t = view.step.time;
     let between = touch.facing.between.iter();
     let clear = between.map(|s| touch.clearance(s, t).abs());
-    if clear.fold(0.0, f64::max) > 2.0 * both {
+    if clear.fold(0.0, f64::max) > 4.0 * most {
         0.0
     } else {
-        both
+        most
     }
 }
 
