@@ -471,7 +471,7 @@ fn what_cannot_be_made_anew_is_told_with_its_body() {
     }
 }
 
-/// Elastic energies of the floating punch, first as it is in its case, then with the corners of its sole refined.
+/// The problem of the case, on a coarse mesh, and made anew with finer and finer cells at the corners of sole and foot.
 #[test]
 fn the_energy_of_the_floating_punch_converges_with_cells_made_anew() {
     let text = |cell: &str, n: usize| {
@@ -513,13 +513,13 @@ mortar = \"block.top\"
             .unwrap()
             .model
     };
-    // The elastic energy under given loads grows with each refinement. From three uniform meshes by Aitken's rule:
-    let [a, b, c] = [10, 20, 40].map(|n| energy(&read(&text("quad9", n))));
-    let exact = c + (c - b).powi(2) / ((b - a) - (c - b));
+    // The elastic energy under given loads grows with each refinement; cells that are fine at the corners alone find more of it than
+    // 32 000 nodes of a uniform mesh.
+    let uniform = energy(&read(&text("quad9", 40)));
     let model = read(&text("quad8", 5));
-    let mut before = 1.0 - energy(&model) / exact;
+    let mut before = 1.0 - energy(&model) / uniform;
     assert!((2e-3..1e-2).contains(&before), "{before}");
-    for (size, most, nodes) in [(0.05, 2e-3, 1500), (0.01, 4e-4, 3000), (0.002, 1e-4, 6000)] {
+    for (size, most, nodes) in [(0.05, 2e-3, 1500), (0.02, 5e-4, 2000), (0.005, 0.0, 3000)] {
         let corners = [[1.5, 1.0], [2.5, 1.0]].map(|at| point(at, size));
         let feet = [[0.0, 0.0], [4.0, 0.0]].map(|at| point(at, 4.0 * size));
         let wanted = field([corners, feet].concat());
@@ -530,15 +530,9 @@ mortar = \"block.top\"
             .iter()
             .map(|body| body.mesh.points().len())
             .sum();
-        let error = 1.0 - energy(&anew) / exact;
-        println!(
-            "{size} {all} {error} of {before}; uniform {}",
-            1.0 - c / exact
-        );
-        assert!(
-            error < before && error.abs() < most && all < nodes,
-            "{error} {all}"
-        );
-        before = error;
+        let below = 1.0 - energy(&anew) / uniform;
+        assert!(below < before && below < most && below > -5e-4, "{below}");
+        assert!(all < nodes, "{all}");
+        before = below;
     }
 }
