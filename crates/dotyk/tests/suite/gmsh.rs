@@ -1,7 +1,6 @@
 //! Meshes from files: what is written in any variant of a format reads back, files of other programs read as meant,
 //! and what is wrong or has no place in a body is said.
 
-use crate::source::library;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use dotyk::case::{Case, CaseError};
@@ -335,7 +334,9 @@ fn read(bytes: &[u8]) -> Result<MeshFile, ImportError> {
 }
 
 fn data(name: &str) -> PathBuf {
-    library().join("tests/data").join(name)
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/data")
+        .join(name)
 }
 
 fn real(name: &str) -> MeshFile {

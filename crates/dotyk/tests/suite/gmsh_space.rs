@@ -4,14 +4,14 @@
 //! in the wrong place makes a cell fold, or a volume and areas that are wrong by far more than the polygons for the circles.
 
 use crate::solids::{area, check_topology, volume};
-use crate::source::library;
 use dotyk::geometry::Point;
 use dotyk::mesh::{CellKind, ImportError, Imported, Mesh, MeshFile};
 use std::f64::consts::PI;
 use std::path::PathBuf;
 
 fn data(name: &str) -> PathBuf {
-    library().join("tests/data").join(name)
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+    PathBuf::from(folder).join(name)
 }
 
 fn read(name: &str) -> MeshFile {
