@@ -49,10 +49,13 @@ pub fn depth<const D: usize>(body: &Body<D>, analysis: Analysis, x: [f64; D]) ->
     }
 }
 
+/// A place, its weight, and value and derivatives of the function of every node there.
+type PointOfRule = (Place, f64, Vec<(f64, Place)>);
+
 /// Gauss points of a kind of cell, with the shape functions there.
 pub struct Table {
     kind: Kind,
-    points: Vec<(Place, f64, Vec<(f64, Place)>)>,
+    points: Vec<PointOfRule>,
 }
 
 /// The tables of all kinds of cells of a mesh.
@@ -516,7 +519,7 @@ mod tests {
             _ => e / ((1.0 + v) * (1.0 - 2.0 * v)) * ((1.0 - v) * a + v * b),
         };
         let shear = |i: usize| e / (1.0 + v) * STRAIN[i][0];
-        let volume = if D == 2 { 2.0 * 1.5 } else { 3.0 };
+        let volume = 3.0;
         let mut right = [0.0; D];
         for (&x, &f) in mesh.points.iter().zip(&found) {
             let inner = (0..D).all(|d| x[d] > 1e-9 && x[d] < SIZE[d] - 1e-9);
