@@ -398,18 +398,20 @@ impl<const D: usize> Touch<'_, D> {
         if self.met.contains(&row.node) || !self.skin.sharp(row.node) {
             return Some((around.to_vec(), samples.first()?.clone()));
         }
-        let mut best: (f64, Vec<usize>) = (f64::NEG_INFINITY, Vec::new());
+        let normals = around
+            .iter()
+            .map(|&f| self.skin.mean_normal(&[f], row.node));
+        let normals: Vec<[f64; D]> = normals.collect();
+        let among = |some: usize| (0..around.len()).filter(move |k| some >> k & 1 == 1);
+        let mut best = (f64::NEG_INFINITY, 0usize);
         for some in 1..1usize << around.len() {
-            let own = around.iter().enumerate();
-            let own = own.filter(|(k, _)| some >> k & 1 == 1);
-            let own: Vec<usize> = own.map(|(_, &facet)| facet).collect();
-            let fit = dot(self.skin.mean_normal(&own, row.node), row.normal);
-            let (known, facets) = &best;
-            if fit > known + 1e-9 || (fit > known - 1e-9 && own.len() > facets.len()) {
-                best = (fit, own);
+            let fit = dot(unit(sum(among(some).map(|k| normals[k]))), row.normal);
+            let more = some.count_ones() > best.1.count_ones();
+            if fit > best.0 + 1e-9 || (fit > best.0 - 1e-9 && more) {
+                best = (fit, some);
             }
         }
-        let facets = best.1;
+        let facets: Vec<usize> = among(best.1).map(|k| around[k]).collect();
         let sample = self.at_node(row.node, samples.first()?.x, &facets)?;
         Some((facets, sample))
     }
