@@ -19,6 +19,9 @@ pub type Place = [f64; 3];
 /// A Gauss point with its weight.
 pub type Point = (Place, f64);
 
+/// Shape functions of the nodes of a cell, with their reference gradients.
+pub type Functions = Vec<(f64, Place)>;
+
 /// Kinds of cells; lines are facets of cells of the plane, triangles and quadrilaterals also those of cells of space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
@@ -270,7 +273,7 @@ impl Kind {
     }
 
     /// Shape functions and their reference gradients at a point.
-    pub fn shape(self, xi: Place) -> Vec<(f64, Place)> {
+    pub fn shape(self, xi: Place) -> Functions {
         let x: [Slope; 3] = std::array::from_fn(|d| Slope::variable(xi[d], d));
         let one = Slope::from(1.0);
         let axes = 0..self.dimension();

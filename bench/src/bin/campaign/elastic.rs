@@ -10,7 +10,7 @@
 //! The difference of internal and external force is the force of supports and contacts on a node.
 
 use crate::amount::vector_at;
-use crate::cells::{Kind, Place, Point};
+use crate::cells::{Functions, Kind, Place, Point};
 use crate::held::{Condition, held_axes};
 use crate::problem::{Analysis, Body, Load, Support};
 use crate::raw::Mesh;
@@ -49,13 +49,10 @@ pub fn depth<const D: usize>(body: &Body<D>, analysis: Analysis, x: [f64; D]) ->
     }
 }
 
-/// A place, its weight, and value and derivatives of the function of every node there.
-type PointOfRule = (Place, f64, Vec<(f64, Place)>);
-
 /// Gauss points of a kind of cell, with the shape functions there.
 pub struct Table {
     kind: Kind,
-    points: Vec<PointOfRule>,
+    points: Vec<(Place, f64, Functions)>,
 }
 
 /// The tables of all kinds of cells of a mesh.
@@ -519,6 +516,7 @@ mod tests {
             _ => e / ((1.0 + v) * (1.0 - 2.0 * v)) * ((1.0 - v) * a + v * b),
         };
         let shear = |i: usize| e / (1.0 + v) * STRAIN[i][0];
+        // an area of 2 by a thickness of 1.5, or a box
         let volume = 3.0;
         let mut right = [0.0; D];
         for (&x, &f) in mesh.points.iter().zip(&found) {

@@ -6,7 +6,7 @@
 //! on facets that look the other way.
 //! All facets are searched in turn: slow, but without the possible gaps of a tree of boxes.
 
-use crate::cells::{Kind, Place, Point};
+use crate::cells::{Functions, Kind, Place, Point};
 use crate::problem::Surface;
 use crate::raw::Mesh;
 use crate::vector::{
@@ -26,7 +26,7 @@ pub struct At<const D: usize> {
     /// Outward normal, its length the area per reference area.
     pub normal: [f64; D],
     /// Shape functions of the nodes of the facet, with their slopes.
-    pub shape: Vec<(f64, Place)>,
+    pub shape: Functions,
     tangents: [[f64; 3]; 2],
 }
 
