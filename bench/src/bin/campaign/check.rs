@@ -216,7 +216,7 @@ fn sagitta<const D: usize>(view: &View<'_, D>, c: usize) -> f64 {
     let t = view.step.time;
     let between = touch.facing.between.iter();
     let clear = between.map(|s| touch.clearance(s, t).abs());
-    if clear.fold(0.0, f64::max) > 4.0 * most {
+    if clear.fold(0.0, f64::max) > 2.0 * most {
         0.0
     } else {
         most
