@@ -11,7 +11,7 @@
 //! seeds is solved again as an equivalent problem ([`twins`]), frictionless ones by another method.
 //! `--more` draws among the families that were added later: a new family in the first list would change the family of each seed.
 //! In a named family the problem of a seed never changes.
-//! `--failed` solves only the seeds that once had a wrong answer, or none, because of a fault.
+//! `--failed` solves only the seeds that once had a wrong answer, or none, because of a fault, with a limit of at least a minute.
 //! The same seeds give the same report for any number of threads, except for seconds and the runs stopped by the limit.
 //! Exit status 1 if an answer is wrong or the program panics, with `--failed` also if an answer is missing.
 
@@ -177,6 +177,8 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
     }
     if failed {
         options.answered = true;
+        // a missing answer is a fault there, not of a busy machine
+        options.limit = options.limit.max(60.0);
         let drawn = FAILED[usize::from(space)].iter();
         options.seeds = drawn.map(|&seed| (seed, None)).collect();
         if !space {

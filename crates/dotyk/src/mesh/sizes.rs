@@ -22,7 +22,7 @@ use std::sync::Arc;
 const LEAF: usize = 8;
 
 /// A box is left out where it is too far by more than rounding.
-const ROUNDING: f64 = 1.0 - 1e-12;
+const BOX_ROUNDING: f64 = 1.0 - 1e-12;
 
 /// Smaller cells about a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -201,8 +201,8 @@ impl<const D: usize> Tree<D> {
     fn bound(&self, index: usize, x: Point<D>) -> f64 {
         let own = &self.boxes[index];
         let nearest: Point<D> = std::array::from_fn(|d| x[d].clamp(own.low[d], own.high[d]));
-        let away = ROUNDING * distance(x, nearest) - own.reach;
-        ROUNDING * (own.least + self.growth * away.max(0.0))
+        let away = BOX_ROUNDING * distance(x, nearest) - own.reach;
+        BOX_ROUNDING * (own.least + self.growth * away.max(0.0))
     }
 }
 

@@ -7,41 +7,17 @@ use crate::mesh::{Generator, Mesh, MeshError, SizeField};
 /// An edge is as long as wanted within rounding.
 const LONG: f64 = 1.0 + 1e-9;
 
-impl Generator<3> for Cuboid {
-    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
-        finer(sizes, self.cells, |cells| {
-            Self {
-                cells,
-                ..self.clone()
+macro_rules! divided {
+    ($($Solid:ident)*) => {$(
+        impl Generator<3> for $Solid {
+            fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
+                finer(sizes, self.cells, |cells| Self { cells, ..self.clone() }.build())
             }
-            .build()
-        })
-    }
+        }
+    )*};
 }
 
-impl Generator<3> for Cylinder {
-    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
-        finer(sizes, self.cells, |cells| {
-            Self {
-                cells,
-                ..self.clone()
-            }
-            .build()
-        })
-    }
-}
-
-impl Generator<3> for Sphere {
-    fn anew(&self, sizes: &SizeField<3>, _: &[Point<3>]) -> Result<Mesh<3>, MeshError> {
-        finer(sizes, self.cells, |cells| {
-            Self {
-                cells,
-                ..self.clone()
-            }
-            .build()
-        })
-    }
-}
+divided!(Cuboid Cylinder Sphere);
 
 /// A mesh of k times so many cells in each direction, with an edge of at most the size wanted in the middle of each cell.
 fn finer<const N: usize>(

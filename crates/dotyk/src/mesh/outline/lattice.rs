@@ -8,23 +8,17 @@ use crate::mesh::outline::curve::cross;
 use crate::mesh::outline::nouns::{Contour, EdgeShape, GROWTH, Outline, OutlineEdge};
 use crate::mesh::{CellKind, Generator, Mesh, MeshError, Rectangle, Ring, SizeField, TunnelRock};
 
-impl Generator<2> for Rectangle {
-    fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
-        triangles(&self.build()?, sizes, nodes)
-    }
+macro_rules! filled {
+    ($($Lattice:ident)*) => {$(
+        impl Generator<2> for $Lattice {
+            fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
+                triangles(&self.build()?, sizes, nodes)
+            }
+        }
+    )*};
 }
 
-impl Generator<2> for Ring {
-    fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
-        triangles(&self.build()?, sizes, nodes)
-    }
-}
-
-impl Generator<2> for TunnelRock {
-    fn anew(&self, sizes: &SizeField<2>, nodes: &[Point<2>]) -> Result<Mesh<2>, MeshError> {
-        triangles(&self.build()?, sizes, nodes)
-    }
-}
+filled!(Rectangle Ring TunnelRock);
 
 /// The outline of a lattice, filled with triangles.
 fn triangles(
@@ -66,16 +60,13 @@ fn outline(mesh: &Mesh<2>, size: f64) -> Outline {
                 _ => None,
             };
             if let (true, Some((center, radius))) = (chain.cyclic, circle) {
-                let names = vec![side.to_string()];
-                circles.push((
+                let circle = Contour::Circle {
+                    center,
                     radius,
-                    Contour::Circle {
-                        center,
-                        radius,
-                        names,
-                        division: None,
-                    },
-                ));
+                    names: vec![side.to_string()],
+                    division: None,
+                };
+                circles.push((radius, circle));
                 continue;
             }
             let (from, to) = (at(0), at(chain.nodes.len() - 1));
