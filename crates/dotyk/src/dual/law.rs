@@ -79,6 +79,14 @@ pub enum Friction {
         /// Coefficient of friction.
         coefficient: f64,
     },
+    /// ‖λₜ‖ ≤ limit · (1 − exp(−coefficient · λₙ / limit)): the law of the tests for bounds that bend.
+    #[cfg(test)]
+    Saturating {
+        /// Shear that no normal force exceeds: a force > 0.
+        limit: f64,
+        /// Coefficient of friction beside a small normal force.
+        coefficient: f64,
+    },
 }
 
 /// A block as files and other languages know it.
@@ -163,7 +171,10 @@ impl Friction {
     /// The line that touches the bound of a closed node at a normal force ≥ 0, which may be infinite: its growth is the least one then.
     ///
     /// A coefficient from [`ROUGH`] on never lets the node slide.
-    pub(crate) fn touch(&self, _normal: f64) -> Touch {
+    pub(crate) fn touch(
+        &self,
+        #[cfg_attr(not(test), expect(unused_variables))] normal: f64,
+    ) -> Touch {
         match *self {
             Self::Tresca { bound } => Touch::straight(bound, 0.0),
             Self::Coulomb { coefficient } => Touch::straight(0.0, growth(coefficient)),
@@ -171,6 +182,17 @@ impl Friction {
                 cohesion,
                 coefficient,
             } => Touch::straight(cohesion, growth(coefficient)),
+            #[cfg(test)]
+            Self::Saturating { limit, coefficient } => {
+                let coefficient = growth(coefficient);
+                let exponent = -coefficient * normal / limit;
+                let slope = coefficient * exponent.exp();
+                Touch {
+                    given: -limit * exponent.exp_m1() - slope * normal,
+                    growth: slope,
+                    bend: -slope * coefficient / limit,
+                }
+            }
         }
     }
 
@@ -189,6 +211,10 @@ impl Friction {
                 cohesion,
                 coefficient,
             } => told("cohesive", 3, Some(cohesion), Some(coefficient)),
+            #[cfg(test)]
+            Self::Saturating { limit, coefficient } => {
+                told("saturating", 3, Some(limit), Some(coefficient))
+            }
         }
     }
 
@@ -212,6 +238,11 @@ impl Friction {
             },
             Self::Cohesive { .. } => Self::Cohesive {
                 cohesion: bound(),
+                coefficient: coefficient(),
+            },
+            #[cfg(test)]
+            Self::Saturating { .. } => Self::Saturating {
+                limit: bound(),
                 coefficient: coefficient(),
             },
         }
@@ -556,6 +587,10 @@ mod tests {
         cohesion: 0.3,
         coefficient: 0.5,
     };
+    const SATURATING: Friction = Friction::Saturating {
+        limit: 0.6,
+        coefficient: 0.8,
+    };
     const LAWS: [Friction; 3] = [TRESCA, COULOMB, COHESIVE];
 
     fn projected(block: Block, from: &[f64]) -> Vec<f64> {
@@ -719,7 +754,11 @@ mod tests {
         for tangents in [1, 2] {
             let blocks = LAWS.map(|law| law.block(tangents));
             let interval = Block::Interval { bound: 0.5 };
-            for block in blocks.into_iter().chain([Block::Unilateral, interval]) {
+            let bends = SATURATING.block(tangents);
+            for block in blocks
+                .into_iter()
+                .chain([Block::Unilateral, interval, bends])
+            {
                 let size = block.size();
                 for pair in noise(400 * size).chunks_exact(2 * size) {
                     let (y, v) = pair.split_at(size);
@@ -750,6 +789,74 @@ mod tests {
         }
         // 200 points for each of 2 + 3 components of three laws, and two twice
         assert!(compared > 3700, "{compared}");
+    }
+
+    #[test]
+    fn lines_touch_a_bound_that_bends() {
+        let bound = |n: f64| 0.6 * (1.0 - (-0.8 * n / 0.6).exp());
+        for n in [0.0, 0.3, 1.0, 5.0] {
+            let touch = SATURATING.touch(n);
+            let h = 1e-4;
+            let [before, after] = [-h, h].map(|h| bound(n + h));
+            assert!((touch.bound(n) - bound(n)).abs() < 1e-15);
+            assert!((SATURATING.bound(n) - bound(n)).abs() < 1e-15);
+            assert!((touch.growth - (after - before) / (2.0 * h)).abs() < 1e-7);
+            let bend = (after - 2.0 * bound(n) + before) / (h * h);
+            assert!((touch.bend - bend).abs() < 1e-5, "{bend}");
+        }
+        assert_eq!(SATURATING.touch(f64::INFINITY).growth, 0.0);
+        for growth in [0.7, 0.1, 1e-6] {
+            let normal = SATURATING.where_growth_is(growth);
+            assert!((SATURATING.touch(normal).growth - growth).abs() < 1e-14 * growth.max(1e-2));
+        }
+        assert_eq!(SATURATING.where_growth_is(0.9), 0.0);
+        // it grows everywhere: a force from which on it hardly does
+        let far = [0.0, -1.0].map(|g| SATURATING.where_growth_is(g));
+        assert!(far.iter().all(|&n| n > 10.0 && n < 20.0), "{far:?}");
+    }
+
+    #[test]
+    fn projection_on_a_bound_that_bends_is_the_nearest_admissible_force() {
+        let block = SATURATING.block(2);
+        let points = noise(3 * 100);
+        for y in points.chunks_exact(3) {
+            let y: Vec<f64> = y.iter().map(|y| 4.0 * y).collect();
+            let nearest = projected(block, &y);
+            assert!(norm(&nearest[1..]) <= SATURATING.bound(nearest[0]) + 1e-15);
+            let again = projected(block, &nearest);
+            assert!((0..3).all(|i| (nearest[i] - again[i]).abs() < 1e-14));
+            for z in points.chunks_exact(3) {
+                let other = projected(block, z);
+                let product: f64 = (0..3)
+                    .map(|i| (y[i] - nearest[i]) * (other[i] - nearest[i]))
+                    .sum();
+                assert!(product < 1e-13, "{product}");
+            }
+        }
+    }
+
+    #[test]
+    fn round_body_of_a_bound_that_bends_ends_where_the_bound_is_as_steep_as_the_direction() {
+        let sparse = |v: [f64; 3]| SparseVector::from_dense(&v);
+        let images = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]].map(sparse);
+        let found = SATURATING.block(2).generators(images.to_vec());
+        assert_eq!(found.rays, images[..1]);
+        assert!(found.cone.is_none());
+        let round = found.round.unwrap();
+        for towards in [[-0.5, 1.0, 0.0], [-0.01, 0.6, 0.8], [-1e-6, 0.0, 1.0]] {
+            let mut corner = vec![0.0; 3];
+            round.add_farthest(&towards, &mut corner);
+            let reach = dot(&corner, &towards);
+            let best = (0..200_000).map(|i| {
+                let n = 1e-4 * i as f64;
+                towards[0] * n + 2.0 * SATURATING.bound(n) * norm(&towards[1..])
+            });
+            let best = best.fold(0.0, f64::max);
+            assert!(
+                reach >= best - 1e-15 && reach < best + 1e-7,
+                "{reach} {best}"
+            );
+        }
     }
 
     #[test]

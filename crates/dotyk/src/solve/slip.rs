@@ -287,9 +287,11 @@ fn iterate_bounds<S: FixedBounds>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dual::Compliance;
     use crate::dual::Friction;
-    use crate::solve::tests::{of_rank, silent};
-    use crate::solve::{Iterate, Newton};
+    use crate::linalg::Mat;
+    use crate::solve::tests::{apart, definite, of, of_rank, silent};
+    use crate::solve::{ContactSolver, Iterate, Newton, norm};
     use std::ops::ControlFlow;
 
     /// Two nodes in the plane with F = AᵀA + I/100, d, G, e and a coefficient of friction.
@@ -557,5 +559,128 @@ mod tests {
         )
         .unwrap();
         assert!((residual - search.best.0).abs() <= 1e-12 * residual);
+    }
+
+    /// λₙ with λₙ + turn · bound(λₙ) = 1.
+    fn balanced(law: Friction, turn: f64) -> f64 {
+        let (mut low, mut high) = (0.0, 2.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            match middle + turn * law.bound(middle) > 1.0 {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        low
+    }
+
+    const BENDS: Friction = Friction::Saturating {
+        limit: 0.5,
+        coefficient: 0.9,
+    };
+
+    #[test]
+    fn a_node_that_slips_bears_a_bound_that_bends() {
+        for turn in [0.4, -0.4] {
+            for tangents in [1, 2] {
+                let m = 1 + tangents;
+                let pull = [1.0, 3.0, 4.0];
+                // both tangents turn the normal gap alike: along the slip by |turn|
+                let entry = |i: usize, j: usize| match (i, j) {
+                    _ if i == j => 1.0,
+                    (0, k) | (k, 0) if tangents == 2 => turn * pull[k] / 5.0,
+                    (0, _) | (_, 0) => turn,
+                    _ => 0.0,
+                };
+                let f = Mat::from_fn(m, m, entry);
+                let problem = of(
+                    Compliance::Dense(f),
+                    &pull[..m],
+                    vec![BENDS.block(tangents)],
+                    (&[], &[]),
+                );
+                let mut residuals = Vec::new();
+                let outcome = Newton::default()
+                    .solve(&problem, None, &mut |at: &Iterate<'_>| {
+                        residuals.push(at.residual);
+                        ControlFlow::Continue(())
+                    })
+                    .unwrap();
+                let lambda = &outcome.multipliers.lambda;
+                assert!(problem.certify(&outcome.multipliers, 1e-8).holds());
+                let normal = lambda[0];
+                let shear = norm(&lambda[1..]);
+                assert!((shear - BENDS.bound(normal)).abs() < 1e-9, "{shear}");
+                if tangents == 1 || turn > 0.0 {
+                    assert!((normal - balanced(BENDS, turn)).abs() < 1e-8, "{normal}");
+                }
+                assert_eq!(outcome.tried, [EXACT_STEPS]);
+                assert!(outcome.iterations <= 8);
+                // Newton's method: the last residuals are squares of the ones before
+                let last = &residuals[residuals.len() - 3..];
+                assert!(
+                    last[1] < 10.0 * last[0] * last[0] && last[2] < 1e-9,
+                    "{residuals:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn every_stage_that_serves_answers_a_bound_that_bends() {
+        let shift = [1.0, 5.0, 0.8, -3.0, 0.5, 0.05];
+        let problem = of(
+            Compliance::Dense(definite(6)),
+            &shift,
+            vec![BENDS.block(1); 3],
+            (&[], &[]),
+        );
+        let method = Newton::default();
+        let setup = Setup::new(&problem).unwrap();
+        let expected = method.solve(&problem, None, &mut silent).unwrap();
+        assert_eq!(expected.tried, [EXACT_STEPS]);
+        let expected = expected.multipliers.lambda;
+        for place in [EXACTLY, ALTERNATING, SETTLING] {
+            let (search, ended) =
+                climb(&method, &setup, None, &chosen(&[place]), &mut silent).unwrap();
+            assert!(matches!(ended, Ended::Converged), "{place}");
+            let found = search.outcome(false).multipliers;
+            assert!(problem.certify(&found, 1e-7).holds(), "{place}");
+            assert!(apart(&found.lambda, &expected) < 1e-6, "{place}");
+        }
+        let (_, ended) = climb(&method, &setup, None, &chosen(&[INSIDE]), &mut silent).unwrap();
+        assert!(matches!(ended, Ended::Stuck(_)));
+        let fixed = fixed_point(&method, &setup, None, &mut silent).unwrap();
+        assert!(apart(&fixed.multipliers.lambda, &expected) < 1e-6);
+    }
+
+    #[test]
+    fn a_body_slides_beyond_the_bounds_of_its_nodes() {
+        let f = || Compliance::Dense(Mat::from_fn(4, 4, |i, j| f64::from(i == j)));
+        let modes = [vec![0.0, 1.0, 0.0, 1.0], vec![1.0, 0.0, 1.0, 0.0]];
+        let most = 2.0 * BENDS.bound(0.5);
+        let pulled = |load: f64| {
+            of(
+                f(),
+                &[0.0; 4],
+                vec![BENDS.block(1); 2],
+                (&modes, &[load, 1.0]),
+            )
+        };
+        let borne = pulled(0.999 * most);
+        let answer = Newton::default().solve(&borne, None, &mut silent).unwrap();
+        assert!(borne.certify(&answer.multipliers, 1e-8).holds());
+        assert!(matches!(
+            borne.feasibility(),
+            crate::dual::Feasibility::Feasible { .. }
+        ));
+        let crate::dual::Feasibility::Infeasible { direction, factor } =
+            pulled(most / 0.9).feasibility()
+        else {
+            panic!("it slides");
+        };
+        // as accurate as the edges of round cones
+        assert!((factor.unwrap() - 0.9).abs() < 2e-6, "{factor:?}");
+        assert!((direction[0] - 1.0).abs() < 1e-12);
     }
 }
