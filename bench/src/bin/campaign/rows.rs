@@ -415,9 +415,11 @@ fn check_pushes<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
             let parts = if rough { 1.5 } else { 0.5 };
             limit + parts * skin.turn * length(force)
         } else {
-            let nodes = || skin.around.keys().map(|&n| view.state.rest[body][n]);
-            let push = nodes().fold(0.0, |s: f64, f| s.max(-dot(f, normal)));
-            let size = nodes().fold(0.0, |s: f64, f| s.max(length(f)));
+            // each along its own normal: a node whose neighbours push elsewhere on a curve may pull, too
+            let nodes = || skin.around.keys().map(|&n| (n, view.state.rest[body][n]));
+            let push = nodes().map(|(n, f)| -dot(f, skin.normal_at(n)));
+            let push = push.fold(0.0, f64::max);
+            let size = nodes().map(|(_, f)| length(f)).fold(0.0, f64::max);
             let aside = if rough {
                 turned_shear(touch) * size
             } else {
