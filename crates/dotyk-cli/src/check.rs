@@ -27,8 +27,7 @@ pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
             Some(folder) => Some(output_folder(Some(folder), &case.stem)?),
             None => None,
         };
-        let mut check = case.model.check();
-        case.warn_first(&mut check.warnings);
+        let check = case.check();
         // errors are reported below, with their place
         let shown = Check {
             errors: Vec::new(),

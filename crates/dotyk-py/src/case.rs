@@ -106,7 +106,7 @@ impl Case {
     fn check<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let case = Arc::clone(&self.case);
         wait(py, &self.caller, None, move |_| {
-            of_any!(&*case, |case| checked(case, case.model.check()))
+            of_any!(&*case, |case| checked(case.check()))
         })?
         .into_dict(py)
     }
@@ -279,14 +279,14 @@ type Found = (String, [usize; 2], Vec<f64>, usize, Vec<String>);
 struct Checked {
     errors: Vec<String>,
     warnings: Vec<String>,
+    notes: Vec<String>,
     bodies: Vec<Found>,
     contacts: Vec<(String, [String; 2], usize)>,
     text: String,
 }
 
 /// The results of a check of a case.
-fn checked<const D: usize>(case: &dotyk::case::Case<D>, mut check: Check<D>) -> Checked {
-    case.warn_first(&mut check.warnings);
+fn checked<const D: usize>(check: Check<D>) -> Checked {
     let bodies = check.bodies.iter();
     let contacts = check.contacts.iter();
     Checked {
@@ -302,6 +302,7 @@ fn checked<const D: usize>(case: &dotyk::case::Case<D>, mut check: Check<D>) -> 
             .collect(),
         errors: check.errors,
         warnings: check.warnings,
+        notes: check.notes,
     }
 }
 
@@ -310,6 +311,7 @@ impl Checked {
         let dict = PyDict::new(py);
         dict.set_item("errors", self.errors)?;
         dict.set_item("warnings", self.warnings)?;
+        dict.set_item("notes", self.notes)?;
         dict.set_item("bodies", self.bodies)?;
         dict.set_item("contacts", self.contacts)?;
         dict.set_item("text", self.text)?;

@@ -438,7 +438,9 @@ class Model:
         nonmortar: str | Sequence[str] | None = None,
         mortar: str | Sequence[str] | None = None,
         sides: Sequence[Any] | None = None,
+        bodies: Literal["all"] | Sequence[str | Body] | None = None,
         obstacle: Table | None = None,
+        reach: float | None = None,
         pairing: str | None = None,
         gap: Number | None = None,
         friction: Number | Table | None = None,
@@ -447,14 +449,21 @@ class Model:
         friction_exclude: Sequence[Any] | None = None,
         active: Table | None = None,
     ) -> Model:
-        """Adds a contact between two sides, or between a side and a rigid obstacle.
+        """Adds a contact between two sides, or between a side and a rigid obstacle; or, with ``bodies``, every contact that is
+        found between these: bodies whose outer surfaces face each other within ``reach``.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
         >>> _ = m.body("block", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
         >>> m.contact("floor", nonmortar="block.bottom", obstacle={"gap": 0.0}, friction=0.3)
         <dotyk.Model: plane-strain, bodies block, contacts floor>
+        >>> _ = m.body("lid", dotyk.rectangle([0, 1], [4, 2], cells=[6, 1]), young=1, poisson=0.3)
+        >>> _ = m.contact("pile", bodies="all", friction=0.3)
+        >>> list(m.check().contacts)
+        ['floor', 'pile-block-lid']
         """
+        if bodies is not None and not isinstance(bodies, str):
+            bodies = [body.name if isinstance(body, Body) else body for body in bodies]
         return self._add("contact", locals())
 
     @keywords

@@ -243,6 +243,8 @@ class Check:
     errors: list[str]
     #: What the user should know.
     warnings: list[str]
+    #: What else is worth to be known.
+    notes: list[str]
     #: One for each body, by name.
     bodies: dict[str, BodyCheck]
     #: One for each contact, by name.
@@ -250,6 +252,7 @@ class Check:
 
     def __init__(self, found: dict[str, Any]) -> None:
         self.errors, self.warnings = list(found["errors"]), list(found["warnings"])
+        self.notes = list(found["notes"])
         self.bodies = {
             name: BodyCheck(name, size[0], size[1], tuple(load), held, tuple(floating))
             for name, size, load, held, floating in found["bodies"]

@@ -12,7 +12,8 @@ use crate::contact::{ContactError, End};
 use crate::fem::Constraints;
 use crate::geometry::Field;
 use crate::model::{
-    Body, BodyId, Contact, Gap, Law, Motion, Obstacle, Pair, Pairing, Place, Rigid, SideRef,
+    Body, BodyId, Contact, Finding, FindingError, Gap, Law, Motion, Obstacle, Pair, Pairing, Place,
+    Rigid, SideRef, find,
 };
 use std::sync::Arc;
 
@@ -21,8 +22,206 @@ const PAIRINGS: [(&str, Pairing); 2] = [
     ("mortar", Pairing::Mortar),
 ];
 
-/// One contact between sides of these bodies.
-pub(crate) fn contact<const D: usize>(
+/// The contacts of a case.
+pub(crate) struct Contacts<const D: usize> {
+    /// Written and found ones, in the order of the case.
+    pub list: Vec<Contact<D>>,
+    /// Between which bodies contacts were sought.
+    pub sought: Vec<Sought>,
+    /// What `check` tells of them, in words.
+    pub notes: Vec<String>,
+    /// Name of each found contact, and the place of the table that it comes from.
+    pub places: Vec<(String, Span)>,
+}
+
+/// Bodies between which contacts were sought.
+#[derive(Debug, Clone)]
+pub(crate) struct Sought {
+    name: String,
+    bodies: Vec<String>,
+}
+
+impl Sought {
+    /// Whether a contact between two of the bodies would have this name.
+    pub fn would_be(&self, name: &str) -> bool {
+        let after = |text: &'_ str, head: &str| -> Option<usize> {
+            text.strip_prefix(head)?
+                .starts_with('-')
+                .then_some(head.len() + 1)
+        };
+        let Some(start) = after(name, &self.name) else {
+            return false;
+        };
+        let pair = &name[start..];
+        let mut seconds = self.bodies.iter().enumerate().filter_map(|(k, first)| {
+            let start = after(pair, first)?;
+            Some((k, &pair[start..]))
+        });
+        seconds.any(|(k, second)| self.bodies[k + 1..].iter().any(|body| body == second))
+    }
+}
+
+/// A table `[[contact]]`.
+enum Read<const D: usize> {
+    Written(Box<Contact<D>>),
+    Sought(Box<Finding>),
+}
+
+/// The contacts of these tables; found ones become sides of their bodies, after those that are written.
+pub(crate) fn contacts<const D: usize>(
+    nodes: &[Node],
+    bodies: &mut [Body<D>],
+    steps: &Steps,
+) -> Result<Contacts<D>, Fault> {
+    let tables = nodes.iter().map(|node| {
+        let sought = node.table(keys::CONTACT)?.entry("bodies").is_some();
+        Ok(match sought {
+            true => Read::Sought(Box::new(finding(node, bodies, steps)?)),
+            false => Read::Written(Box::new(contact(node, bodies, steps)?)),
+        })
+    });
+    let tables = tables.collect::<Result<Vec<Read<D>>, Fault>>()?;
+    let written = tables.iter().filter_map(|table| match table {
+        Read::Written(contact) => Some(Contact::clone(contact)),
+        Read::Sought(_) => None,
+    });
+    let written: Vec<Contact<D>> = written.collect();
+    let mut all = Contacts {
+        list: Vec::new(),
+        sought: Vec::new(),
+        notes: Vec::new(),
+        places: Vec::new(),
+    };
+    let mut before: Vec<Contact<D>> = Vec::new();
+    for (table, node) in tables.into_iter().zip(nodes) {
+        match table {
+            Read::Written(contact) => all.list.push(*contact),
+            Read::Sought(sought) => {
+                let span = node
+                    .table(keys::CONTACT)?
+                    .require("name", "a contact")?
+                    .span
+                    .clone();
+                let found = find(&sought, bodies, (&written, &before));
+                let found = found.map_err(|error| not_found(node, &error))?;
+                let names = found.contacts.iter().map(|contact| contact.name.clone());
+                all.places.extend(names.map(|name| (name, span.clone())));
+                before.extend(found.contacts.iter().cloned());
+                all.list.extend(found.contacts);
+                all.sought.push(Sought {
+                    bodies: sought
+                        .bodies
+                        .iter()
+                        .map(|id| bodies[id.0].name.clone())
+                        .collect(),
+                    name: sought.name,
+                });
+                all.notes.extend(found.left);
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Contacts that are to be found between bodies.
+fn finding<const D: usize>(
+    node: &Node,
+    bodies: &[Body<D>],
+    steps: &Steps,
+) -> Result<Finding, Fault> {
+    let table = node.table(keys::CONTACT)?;
+    let name = name(table.require("name", "a contact")?)?;
+    let instead = [
+        "nonmortar",
+        "mortar",
+        "sides",
+        "obstacle",
+        "exclude",
+        "friction_exclude",
+    ];
+    if let Some(entry) = instead.iter().find_map(|key| table.entry(key)) {
+        let message = format!(
+            "contact `{name}` is found between `bodies` and has no `{}`",
+            entry.key
+        );
+        return Err(Fault::new(&entry.key_span, message)
+            .label("of a written contact")
+            .help("remove it, or write the contact of two bodies with `sides`, to which these are then left"));
+    }
+    let of = table.require("bodies", "contacts that are found")?;
+    let index = |node: &Node| {
+        let text = node.text()?;
+        let place = bodies.iter().position(|body| body.name == text);
+        place.map(BodyId).ok_or_else(|| {
+            let fault = Fault::new(&node.span, format!("unknown body `{text}`"));
+            let names = bodies.iter().map(|body| body.name.as_str());
+            fault.nearest(text, ["the nearest known body", "bodies"], names)
+        })
+    };
+    let between = match &of.value {
+        Value::Text(text) if text == "all" => (0..bodies.len()).map(BodyId).collect(),
+        Value::List(list) => list.iter().map(index).collect::<Result<Vec<_>, _>>()?,
+        _ => return Err(of.expected("\"all\" or a list of names of bodies")),
+    };
+    // pairs are named in the order of the case
+    let mut between: Vec<BodyId> = between;
+    between.sort_unstable();
+    Ok(Finding {
+        bodies: between,
+        reach: reach(table)?,
+        pairing: pairing(table)?,
+        gap: table.get("gap").map(gap).transpose()?,
+        law: law(table, &name)?,
+        active: steps.active(table)?,
+        name,
+    })
+}
+
+/// The largest distance of facets that face each other.
+fn reach(table: Table<'_>) -> Result<Option<f64>, Fault> {
+    let node = table.get("reach");
+    node.map(|node| node.positive("`reach`")).transpose()
+}
+
+fn pairing(table: Table<'_>) -> Result<Option<Pairing>, Fault> {
+    let node = table.get("pairing");
+    node.map(|node| node.choice("pairing", &PAIRINGS))
+        .transpose()
+}
+
+/// The mistake at its key.
+fn not_found(node: &Node, error: &FindingError) -> Fault {
+    let key = match error {
+        FindingError::TooFew { .. }
+        | FindingError::Repeated { .. }
+        | FindingError::Twice { .. } => "bodies",
+        FindingError::Nothing { reach: Some(_), .. } => "reach",
+        FindingError::Nothing { reach: None, .. } => "bodies",
+        FindingError::SideExists { .. } => "name",
+    };
+    let entry = node
+        .entries()
+        .ok()
+        .and_then(|all| all.iter().find(|entry| entry.key == key));
+    let fault = Fault::new(
+        entry.map_or(&node.span, |entry| &entry.node.span),
+        error.to_string(),
+    );
+    match error {
+        FindingError::TooFew { .. } => fault
+            .label("fewer than two")
+            .help("name two bodies or more, or say \"all\""),
+        FindingError::Repeated { .. } => fault.label("the same body"),
+        FindingError::Nothing { .. } => fault
+            .label("nothing is found")
+            .help("give a larger `reach`, or correct the places of the bodies; surfaces face each other where their normals are opposed and no body is between them"),
+        FindingError::Twice { .. } => fault.label("between the same bodies"),
+        FindingError::SideExists { .. } => fault.label("its side has this name"),
+    }
+}
+
+/// One written contact between sides of these bodies.
+fn contact<const D: usize>(
     node: &Node,
     bodies: &mut [Body<D>],
     steps: &Steps,
@@ -31,10 +230,13 @@ pub(crate) fn contact<const D: usize>(
     let name = name(table.require("name", "a contact")?)?;
     let pair = pair(table, &name, bodies)?;
     let law = law(table, &name)?;
-    let pairing = match table.get("pairing") {
-        None => None,
-        Some(node) => Some(node.choice("pairing", &PAIRINGS)?),
-    };
+    let pairing = pairing(table)?;
+    if let (Some(entry), Pair::Obstacle { .. }) = (table.entry("reach"), &pair) {
+        let message = format!("contact `{name}` has an obstacle, and no `reach`");
+        return Err(Fault::new(&entry.key_span, message)
+            .label("between bodies alone")
+            .help("remove it: an obstacle counts wherever it is"));
+    }
     let gap = match (table.get("gap"), &pair) {
         (None, _) => None,
         (Some(node), Pair::Obstacle { .. }) => match gap(node)? {
@@ -71,6 +273,7 @@ pub(crate) fn contact<const D: usize>(
         pairing,
         gap,
         law,
+        reach: reach(table)?,
         active: steps.active(table)?,
     })
 }
@@ -210,7 +413,7 @@ fn pair<const D: usize>(
             let message = format!("contact `{contact}` must say what touches what, found {found}");
             Err(Fault::new(table.span, message)
                 .label("incomplete or contradictory")
-                .help("give `nonmortar` and `mortar`, or `sides`, or `nonmortar` and `obstacle`"))
+                .help("give `nonmortar` and `mortar`, or `sides`, or `nonmortar` and `obstacle`, or `bodies` between which contacts are found"))
         }
     }
 }

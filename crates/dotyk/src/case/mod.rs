@@ -38,17 +38,19 @@ pub use run::{Failure, Run};
 pub use source::AnyCase;
 pub use suggest::nearest;
 
+use crate::case::contact::{Contacts, Sought};
 use crate::case::document::{Node, Span, Value, coordinates, later};
 use crate::case::error::{Fault, read_text};
 use crate::case::mesh::Generated;
 use crate::case::mesh_file::MeshFiles;
+use crate::case::probe::Owners;
 use crate::case::source::{Source, analysis};
 use crate::case::steps::Steps;
 use crate::case::suggest::listed;
 use crate::host::free_memory;
 use crate::mesh::Mesh;
 use crate::model::{
-    Analysis, Body, Bolts, Event, MemberKind, Method, Model, Past, ProbeValue, Solution,
+    Analysis, Body, Bolts, Check, Event, MemberKind, Method, Model, Past, ProbeValue, Solution,
     SolverOptions, Study, Subject, Units, Varied, check_file_names,
 };
 use crate::solve::ContactSolver;
@@ -75,6 +77,18 @@ pub struct Case<const D: usize> {
     given: Arc<Given>,
     /// Where the names of bodies and contacts stand, and where probes are read.
     places: Vec<(Subject, Span)>,
+    aside: Aside,
+}
+
+/// What is known of contacts that were to be found, beside those that were.
+#[derive(Debug, Clone, Default)]
+struct Aside {
+    /// Between which bodies they were sought.
+    sought: Vec<Sought>,
+    /// Pairs of bodies that are left to written contacts, in words.
+    notes: Vec<String>,
+    /// Where the tables of those that were found stand.
+    places: Vec<(String, Span)>,
 }
 
 /// As in [`Model`]: generic code is compiled here, once for each dimension.
@@ -103,6 +117,14 @@ macro_rules! doors {
             /// Errors: as [`Self::read`].
             pub fn from_str(text: &str, name: &str, folder: &Path) -> Result<Self, CaseError> {
                 of_source(Source::parse(text, name, folder, &[], &Arc::default())?)
+            }
+
+            /// What [`Model::check`](Model) tells, and what was noticed in reading.
+            pub fn check(&self) -> Check<$D> {
+                let mut check = self.model.check();
+                self.warn_first(&mut check.warnings);
+                check.notes.extend(self.aside.notes.iter().cloned());
+                check
             }
 
             /// Solves all load steps, after those that were solved before, with an observer of the events.
@@ -167,12 +189,16 @@ where
     let stem = stem.to_string_lossy().into_owned();
     let mut files = MeshFiles::new(source.folder);
     let model = model(&source.document, &stem, &mut files);
-    let mut model = model.map_err(|fault| fault.in_source(name, text))?;
+    let (mut model, aside) = model.map_err(|fault| fault.in_source(name, text))?;
     model.parameters.clone_from(&source.parameters.values);
     let unused = source.parameters.unused(&source.document);
     let mut warnings = files.warnings();
     warnings.extend(initial::along_profiles(&source.document));
     warnings.extend(idle(&unused));
+    warnings.extend(without_contact(&model));
+    let found = aside.places.iter();
+    let found = found.map(|(name, span)| (Subject::Contact(name.clone()), span.clone()));
+    let places = places(&source.document).into_iter().chain(found).collect();
     Ok(Case {
         stem,
         path,
@@ -183,7 +209,8 @@ where
         name: name.into(),
         folder: source.folder.into(),
         given: Arc::clone(&source.parameters.given),
-        places: places(&source.document),
+        places,
+        aside,
     })
 }
 
@@ -201,8 +228,13 @@ where
     let stage = case.model.stage(solution.time);
     // a list of sides becomes a side of the body
     let mut bodies = stage.bodies.clone();
-    let owners = (&stage.contacts[..], &stage.sections[..], &stage.members[..]);
-    let probe = probe::probe(&source.document, &mut bodies, owners);
+    let owners = Owners {
+        contacts: &stage.contacts,
+        sought: &case.aside.sought,
+        sections: &stage.sections,
+        members: &stage.members,
+    };
+    let probe = probe::probe(&source.document, &mut bodies, &owners);
     let probe = probe.map_err(|fault| fault.in_source(&source.name, &text))?;
     let model = Model {
         bodies,
@@ -246,7 +278,7 @@ impl<const D: usize> Case<D> {
     }
 
     /// Puts the warnings of reading before the warnings of a result.
-    pub fn warn_first(&self, warnings: &mut Vec<String>) {
+    pub(crate) fn warn_first(&self, warnings: &mut Vec<String>) {
         warnings.splice(0..0, self.warnings.iter().cloned());
     }
 
@@ -306,6 +338,21 @@ fn places(document: &Node) -> Vec<(Subject, Span)> {
     places
 }
 
+/// Warnings about probes of contacts that were not found.
+fn without_contact<const D: usize>(model: &Model<D>) -> Vec<String> {
+    let absent = model
+        .probes
+        .iter()
+        .filter(|probe| probe.quantity.is_absent());
+    let told = absent.map(|probe| {
+        format!(
+            "probe \"{}\": the contact of `{}` was not found; its value is NaN",
+            probe.name, probe.quantity
+        )
+    });
+    told.collect()
+}
+
 /// A warning about parameters that no value depends on.
 fn idle(names: &[String]) -> Option<String> {
     let first = names.first()?;
@@ -328,7 +375,7 @@ fn model<const D: usize>(
     document: &Node,
     stem: &str,
     files: &mut MeshFiles,
-) -> Result<Model<D>, Fault>
+) -> Result<(Model<D>, Aside), Fault>
 where
     Mesh<D>: Generated<D>,
 {
@@ -381,9 +428,8 @@ where
     let mut bodies = bodies.collect::<Result<Vec<_>, _>>()?;
     own_regions(&files.used, &bodies)?;
 
-    let contact = |node| contact::contact(node, &mut bodies, &steps);
-    let contacts = contacts.iter().map(contact);
-    let contacts = contacts.collect::<Result<Vec<_>, _>>()?;
+    let found = contact::contacts(contacts, &mut bodies, &steps)?;
+    names_of_found(&found, &named)?;
 
     let sections = sections.iter();
     let sections = sections.map(|node| section::section(node, &mut bodies));
@@ -398,8 +444,13 @@ where
     let probes = table.list("probe")?;
     unique_names(probes, "probes")?;
     let probes = probes.iter();
-    let owners = (&contacts[..], &sections[..], &members[..]);
-    let probes = probes.map(|node| probe::probe(node, &mut bodies, owners));
+    let owners = Owners {
+        contacts: &found.list,
+        sought: &found.sought,
+        sections: &sections,
+        members: &members,
+    };
+    let probes = probes.map(|node| probe::probe(node, &mut bodies, &owners));
     let probes = probes.collect::<Result<Vec<_>, _>>()?;
 
     let model = Model {
@@ -408,7 +459,7 @@ where
         analysis,
         units,
         bodies,
-        contacts,
+        contacts: found.list,
         members,
         sections,
         solver: SolverOptions {
@@ -425,7 +476,12 @@ where
             return Err(members::fault(&error, node, member));
         }
     }
-    Ok(model)
+    let aside = Aside {
+        sought: found.sought,
+        notes: found.notes,
+        places: found.places,
+    };
+    Ok((model, aside))
 }
 
 /// Refuses two bodies of one region at the same time.
@@ -512,6 +568,29 @@ fn own_names(lists: &[(&[Node], [&str; 2])]) -> Result<(), Fault> {
             return Err(Fault::new(span, message)
                 .label("second use of the name")
                 .help(help));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a contact that was found under the name of another part.
+fn names_of_found<const D: usize>(
+    found: &Contacts<D>,
+    lists: &[(&[Node], [&str; 2])],
+) -> Result<(), Fault> {
+    for (k, (name, span)) in found.places.iter().enumerate() {
+        let tables = lists.iter().flat_map(|(list, _)| list.iter());
+        let mut names = tables.filter_map(|node| {
+            let entry = node.entries().ok()?.iter().find(|e| e.key == "name")?;
+            entry.node.text().ok()
+        });
+        let before = found.places[..k].iter().any(|(other, _)| other == name);
+        if before || names.any(|other| other == name) {
+            let message =
+                format!("a contact that was found would be the second part with the name `{name}`");
+            return Err(Fault::new(span, message)
+                .label("its first part")
+                .help("give one of the two another name"));
         }
     }
     Ok(())

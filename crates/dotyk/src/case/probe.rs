@@ -1,6 +1,6 @@
 //! `[[probe]]` of a case file: values to be read off the solution, checked before the solution.
 
-use crate::case::contact::side_ref;
+use crate::case::contact::{Sought, side_ref};
 use crate::case::document::{Entry, Node, Table, Value, coordinates};
 use crate::case::error::Fault;
 use crate::case::keys;
@@ -22,19 +22,40 @@ fn reductions<const D: usize>() -> [(&'static str, Reading<D>); 4] {
 
 const UNKNOWN: [&str; 2] = ["the nearest known", "known"];
 
+/// What probes read beside bodies.
+pub(crate) struct Owners<'a, const D: usize> {
+    pub contacts: &'a [Contact<D>],
+    /// Bodies between which contacts were sought.
+    pub sought: &'a [Sought],
+    pub sections: &'a [Section<D>],
+    pub members: &'a [Member<D>],
+}
+
 /// One probe on these bodies and contacts.
 pub(crate) fn probe<const D: usize>(
     node: &Node,
     bodies: &mut [Body<D>],
-    (contacts, sections, members): (&[Contact<D>], &[Section<D>], &[Member<D>]),
+    owners: &Owners<'_, D>,
 ) -> Result<Probe<D>, Fault> {
     let table = node.table(keys::PROBE)?;
     let name = label(table.require("name", "a probe")?)?;
     let quantity_node = table.require("quantity", "a probe")?;
+    let Owners {
+        contacts,
+        sought,
+        sections,
+        members,
+    } = *owners;
     let contacts: Vec<&str> = contacts.iter().map(|c| c.name.as_str()).collect();
     let cut: Vec<&str> = sections.iter().map(|s| s.name.as_str()).collect();
     let named = [&contacts[..], &cut];
-    let parsed = Quantity::parse(quantity_node.text()?, bodies, named, members);
+    let text = quantity_node.text()?;
+    let owner = text.split('.').next().unwrap_or_default();
+    let absent = !contacts.contains(&owner) && sought.iter().any(|sought| sought.would_be(owner));
+    let parsed = match absent {
+        true => Quantity::of_absent::<D>(text, owner),
+        false => Quantity::parse(text, bodies, named, members),
+    };
     let quantity = parsed.map_err(|error| fault(quantity_node, &error))?;
     refuse_beside_stations(table, &quantity, quantity_node, sections)?;
     let along = table.get("along").map(|node| along(node, bodies));

@@ -111,6 +111,17 @@ pub enum ContactError {
         /// The largest that it may be.
         most: f64,
     },
+    /// Nothing of two sides is as near as wanted.
+    #[error(
+        "no facets of {} and {} face each other within `reach` = {reach}; give a larger one, or leave it out",
+        .sides[0], .sides[1]
+    )]
+    BeyondReach {
+        /// The sides.
+        sides: [String; 2],
+        /// A length.
+        reach: f64,
+    },
     /// There is no node with a multiplier to exclude there.
     #[error(
         "no node of {side} {place} carries a multiplier: in space corners of facets do, nodes in the middle of edges do not; name a corner, or a side"

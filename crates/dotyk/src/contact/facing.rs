@@ -4,7 +4,7 @@
 //! outward normal is opposed. Node-to-node pairing is right where no facet with a node of its own sees the other side.
 
 use crate::contact::node_to_node::matching_nodes;
-use crate::contact::search::{Line, SideSearch};
+use crate::contact::search::{Hit, Line, SideSearch};
 use crate::contact::{ContactError, End};
 use crate::geometry::{Point, add_scaled, sub, unit};
 use crate::mesh::{Facet, Mesh};
@@ -88,20 +88,32 @@ pub fn facets_coincide<const D: usize>(
 const STARTS: [f64; 5] = [0.0, 0.5, 0.9, 0.99, 0.999];
 
 fn sees<const D: usize>(mesh: &Mesh<D>, facet: Facet, search: &SideSearch<'_, D>) -> bool {
+    first_seen(mesh, facet, search, |_, _| true).is_some()
+}
+
+/// What a facet sees first, of what satisfies a condition on the line and its hit; lines start at all its [`STARTS`].
+pub(crate) fn first_seen<const D: usize>(
+    mesh: &Mesh<D>,
+    facet: Facet,
+    search: &SideSearch<'_, D>,
+    satisfies: impl Fn(Line<D>, Hit) -> bool,
+) -> Option<Hit> {
     let shallow = mesh.facet_length(facet);
     let kind = mesh.facet_kind(facet);
     let (corners, centre) = (kind.corners(), kind.domain().centre());
     let starts = STARTS.iter().flat_map(|part| {
+        // they all start at the middle
+        let corners = if *part == 0.0 { 1 } else { corners };
         let towards = kind.reference_nodes()[..corners].iter();
         towards.map(move |corner| add_scaled(centre, *part, sub(*corner, centre)))
     });
-    starts.into_iter().any(|xi| {
-        let start = mesh.facet_point(facet, &xi);
-        let direction = unit(mesh.outward_normal(facet, &xi));
-        direction.is_some_and(|direction| {
-            let line = Line { start, direction };
-            search.opposite(line, shallow).is_some()
-        })
+    starts.into_iter().find_map(|xi| {
+        let line = Line {
+            start: mesh.facet_point(facet, &xi),
+            direction: unit(mesh.outward_normal(facet, &xi))?,
+        };
+        let hit = search.opposite(line, shallow)?;
+        satisfies(line, hit).then_some(hit)
     })
 }
 

@@ -14,7 +14,7 @@ use crate::geometry::{
 use crate::mesh::{CellKind, Domain, Facet, Mesh};
 use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
 use std::cmp::Ordering;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Facets count as opposed when the cosine between the normals is below this.
 const OPPOSED: f64 = -0.1;
@@ -59,7 +59,7 @@ impl<const D: usize> Line<D> {
 }
 
 /// Some facets of a mesh, prepared for intersection with lines.
-struct Screen<'a, const D: usize> {
+pub(crate) struct Screen<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     tree: RTree<Boxed<D>>,
 }
@@ -128,7 +128,8 @@ fn meets_between(lines: [Line<2>; 2], low: Point<2>, high: Point<2>) -> bool {
 }
 
 impl<'a, const D: usize> Screen<'a, D> {
-    fn new(mesh: &'a Mesh<D>, facets: &[Facet]) -> Self {
+    /// These facets of a mesh.
+    pub fn new(mesh: &'a Mesh<D>, facets: &[Facet]) -> Self {
         let boxes = facets.iter().map(|&facet| {
             let mut points: Vec<Point<D>> = mesh.facet_points(facet).collect();
             if let (CellKind::Line3, [a, b, middle]) = (mesh.facet_kind(facet), &points[..]) {
@@ -262,17 +263,46 @@ fn quadratic_root(alpha: f64, beta: f64, gamma: f64) -> Option<f64> {
 }
 
 /// The whole boundary of a body, made on first use: only where sides lie apart.
-struct Boundary<'a, const D: usize> {
+pub(crate) struct Boundary<'a, const D: usize> {
     mesh: &'a Mesh<D>,
-    screen: OnceLock<Screen<'a, D>>,
+    screen: OnceLock<Arc<Screen<'a, D>>>,
 }
 
 impl<'a, const D: usize> Boundary<'a, D> {
-    fn of(mesh: &'a Mesh<D>) -> Self {
+    /// That of a mesh.
+    pub fn of(mesh: &'a Mesh<D>) -> Self {
         Self {
             mesh,
             screen: OnceLock::new(),
         }
+    }
+
+    fn screen(&self) -> &Arc<Screen<'a, D>> {
+        let whole = || Arc::new(Screen::new(self.mesh, &self.mesh.boundary_facets()));
+        self.screen.get_or_init(whole)
+    }
+
+    /// Whether a line is inside of the body somewhere between its start and a distance: it enters before that, or leaves after the
+    /// start. Only the surface itself at either end, within `rounding`, is not inside.
+    pub fn is_between(&self, line: Line<D>, distance: f64, rounding: f64) -> bool {
+        let way = [-rounding, distance + rounding];
+        let met = self
+            .screen()
+            .meets(line, way, |cosine| cosine.abs() > ALONG);
+        met.iter().any(|(hit, cosine)| match *cosine < 0.0 {
+            true => hit.distance <= distance - rounding,
+            false => hit.distance >= rounding,
+        })
+    }
+
+    /// How thick the body is behind a point of its surface, against this outward normal.
+    pub fn thickness(&self, point: Point<D>, normal: Point<D>, rounding: f64) -> f64 {
+        let line = Line {
+            start: point,
+            direction: normal.map(|c| -c),
+        };
+        let through = self.crossing(line, [rounding, f64::INFINITY], rounding);
+        through.unwrap_or(f64::INFINITY)
     }
 
     /// Whether a line passes through it between two distances.
@@ -283,10 +313,9 @@ impl<'a, const D: usize> Boundary<'a, D> {
     /// The first distance between two at which a line crosses it. Two facets back to back within `rounding` do not count as a
     /// crossing: at the seam between two parts of one body, or at an edge that the line touches.
     fn crossing(&self, line: Line<D>, way: [f64; 2], rounding: f64) -> Option<f64> {
-        let screen = self
-            .screen
-            .get_or_init(|| Screen::new(self.mesh, &self.mesh.boundary_facets()));
-        let met = screen.meets(line, way, |cosine| cosine.abs() > ALONG);
+        let met = self
+            .screen()
+            .meets(line, way, |cosine| cosine.abs() > ALONG);
         let back_to_back = |&&(a, cosine): &&(Hit, f64)| {
             let mut others = met.iter();
             others.any(|(b, other)| {
@@ -310,18 +339,31 @@ const LONGEST: f64 = 2.0;
 
 /// The search from points of one body for a side of another.
 pub(crate) struct SideSearch<'a, const D: usize> {
-    side: Screen<'a, D>,
-    own: Boundary<'a, D>,
-    other: Boundary<'a, D>,
+    side: Arc<Screen<'a, D>>,
+    own: Arc<Boundary<'a, D>>,
+    other: Arc<Boundary<'a, D>>,
 }
 
 impl<'a, const D: usize> SideSearch<'a, D> {
     /// Prepares a search from `own` for these facets of `other`.
     pub fn new(own: &'a Mesh<D>, other: &'a Mesh<D>, facets: &[Facet]) -> Self {
         Self {
-            side: Screen::new(other, facets),
-            own: Boundary::of(own),
-            other: Boundary::of(other),
+            side: Arc::new(Screen::new(other, facets)),
+            own: Arc::new(Boundary::of(own)),
+            other: Arc::new(Boundary::of(other)),
+        }
+    }
+
+    /// Prepares a search from one body for a side of another, of parts that are kept.
+    pub fn from_to(
+        own: &Arc<Boundary<'a, D>>,
+        other: &Arc<Boundary<'a, D>>,
+        side: &Arc<Screen<'a, D>>,
+    ) -> Self {
+        Self {
+            side: Arc::clone(side),
+            own: Arc::clone(own),
+            other: Arc::clone(other),
         }
     }
 

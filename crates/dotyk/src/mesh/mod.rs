@@ -282,24 +282,33 @@ impl<const D: usize> Mesh<D> {
     ///
     /// Errors: a name that exists already, a facet that does not exist.
     pub fn with_sides(mut self, sides: BTreeMap<String, Vec<Facet>>) -> Result<Self, MeshError> {
-        for (side, mut facets) in sides {
-            if let Some(facet) = facets.iter().find(|&&facet| !self.has(facet)) {
-                return Err(MeshError::FacetOutOfRange {
-                    side,
-                    block: facet.block,
-                    cell: facet.cell,
-                    local: facet.local,
-                });
-            }
-            if self.sides.contains_key(&side) {
-                return Err(MeshError::SideExists { side });
-            }
-            facets.sort_unstable();
-            facets.dedup();
-            self.recipe.note(Added::Picked(side.clone()));
-            self.sides.insert(side, facets);
+        for (side, facets) in sides {
+            self.add_side(&side, facets)?;
         }
         Ok(self)
+    }
+
+    /// Adds a side of some facets; they are sorted and repeated ones dropped.
+    ///
+    /// Errors: as [`Self::with_sides`].
+    pub fn add_side(&mut self, name: &str, mut facets: Vec<Facet>) -> Result<(), MeshError> {
+        let side = name.to_string();
+        if let Some(facet) = facets.iter().find(|&&facet| !self.has(facet)) {
+            return Err(MeshError::FacetOutOfRange {
+                side,
+                block: facet.block,
+                cell: facet.cell,
+                local: facet.local,
+            });
+        }
+        if self.sides.contains_key(name) {
+            return Err(MeshError::SideExists { side });
+        }
+        facets.sort_unstable();
+        facets.dedup();
+        self.recipe.note(Added::Picked(side.clone()));
+        self.sides.insert(side, facets);
+        Ok(())
     }
 
     /// The union of some sides of the mesh, named after all of them; made if it does not exist yet.

@@ -21,6 +21,7 @@ pub use crate::contact::ContactError;
 pub use ask::check::{BodyCheck, Check};
 pub use ask::compare::{Comparison, ComparisonRow};
 pub use ask::dual::{Dual, Unknown};
+pub(crate) use ask::found::find;
 pub use ask::study::{Column, Make, Study, StudyMember, Varied};
 pub use march::past::{Past, PastBody, PastNode};
 pub use march::reuse::Reuse;
@@ -31,6 +32,7 @@ pub use nouns::event::{Event, Work};
 pub(crate) use nouns::field::numbers_at_nodes;
 pub use nouns::field::{BodyField, On, Shape};
 pub use nouns::file_names::{NameError, check_file_names};
+pub use nouns::finding::{Finding, FindingError, Found};
 pub use nouns::ids::*;
 pub use nouns::intrusion::Intrusion;
 pub use nouns::member::{

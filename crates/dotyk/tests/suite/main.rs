@@ -11,6 +11,7 @@ mod couple;
 mod determinism;
 mod drawing;
 mod examples;
+mod found;
 mod friction;
 mod gmsh;
 mod gmsh_space;

@@ -63,6 +63,8 @@ pub struct Check<const D: usize> {
     pub subject: Option<Subject>,
     /// Warnings to the user.
     pub warnings: Vec<String>,
+    /// What else is worth to be known.
+    pub notes: Vec<String>,
 }
 
 /// Describes a model, or reports why it is not `valid`.
@@ -465,6 +467,24 @@ impl<const D: usize> fmt::Display for Check<D> {
                 0.0 => writeln!(f, ", touching initially")?,
                 depth => writeln!(f, ", initial penetration {depth:.4e}")?,
             }
+            let extents = contact.extents.iter().zip(&contact.sides);
+            let measure = if D == 2 { "length" } else { "area" };
+            let parts = extents.map(|((facets, extent), side)| {
+                format!("{facets} facets of {side}, {measure} {extent:.4e}")
+            });
+            let parts: Vec<String> = parts.collect();
+            write!(f, "  {}", parts.join("; "))?;
+            match contact.farthest.is_finite() && contact.farthest > contact.clearance {
+                true => writeln!(
+                    f,
+                    "; gaps {:.4e} to {:.4e}",
+                    contact.clearance, contact.farthest
+                )?,
+                false => writeln!(f)?,
+            }
+        }
+        for note in &self.notes {
+            writeln!(f, "note: {note}")?;
         }
         for warning in &self.warnings {
             writeln!(f, "warning: {warning}")?;

@@ -5,4 +5,5 @@ pub mod check;
 pub mod compare;
 pub mod doors;
 pub mod dual;
+pub mod found;
 pub mod study;

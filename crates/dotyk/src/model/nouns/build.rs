@@ -195,6 +195,7 @@ impl<const D: usize> Model<D> {
             gap: None,
             law: Law::Frictionless,
             exclude: Vec::new(),
+            reach: None,
             friction_exclude: Vec::new(),
             active: Active::ALWAYS,
         });

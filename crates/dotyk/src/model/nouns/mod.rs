@@ -7,6 +7,7 @@ pub mod error;
 pub mod event;
 pub mod field;
 pub mod file_names;
+pub mod finding;
 pub mod ids;
 pub mod intrusion;
 pub mod member;

@@ -264,6 +264,8 @@ pub struct Contact<const D: usize> {
     pub gap: Option<Gap>,
     /// The law of the interface.
     pub law: Law,
+    /// Only facets that face each other within this distance take part, a length; `None`: all.
+    pub reach: Option<f64>,
     /// Points and sides of the nonmortar body whose nodes are excluded: open, whatever is opposite.
     pub exclude: Vec<Place<D>>,
     /// Points and sides of the nonmortar body whose nodes take part without friction.

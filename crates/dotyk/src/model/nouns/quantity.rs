@@ -27,6 +27,8 @@ use std::ops::Range;
 pub struct Quantity {
     text: String,
     pub(crate) parts: Parts,
+    /// Its contact was sought and not found: it has no value, and the index of its contact no meaning.
+    absent: bool,
 }
 
 /// The parts of a quantity: index of the body or contact first, index of the axis last.
@@ -274,7 +276,11 @@ impl Quantity {
             }
         };
         let text = text.to_string();
-        Ok(Self { text, parts })
+        Ok(Self {
+            text,
+            parts,
+            absent: false,
+        })
     }
 
     /// The same with other indices of bodies, contacts, sections and members; `None` where its part has no index.
@@ -282,6 +288,9 @@ impl Quantity {
         &self,
         [bodies, contacts, sections, members]: [&[Option<usize>]; 4],
     ) -> Option<Self> {
+        if self.absent {
+            return None;
+        }
         let mut parts = self.parts.clone();
         match &mut parts {
             Parts::Displacement(body, _)
@@ -300,7 +309,27 @@ impl Quantity {
             Parts::Member(member) => *member = members[*member]?,
         }
         let text = self.text.clone();
-        Some(Self { text, parts })
+        Some(Self {
+            text,
+            parts,
+            absent: false,
+        })
+    }
+
+    /// The quantity that a text names, of a contact that was sought between bodies and not found: it has no value.
+    ///
+    /// Errors: as [`Self::parse`].
+    pub fn of_absent<const D: usize>(text: &str, contact: &str) -> Result<Self, QuantityError> {
+        let quantity = Self::parse::<D>(text, &[], [&[contact], &[]], &[])?;
+        Ok(Self {
+            absent: true,
+            ..quantity
+        })
+    }
+
+    /// Its contact was not found.
+    pub fn is_absent(&self) -> bool {
+        self.absent
     }
 
     /// Its physical dimension.

@@ -197,6 +197,9 @@ fn read<const D: usize>(
     probe: &Probe<D>,
     site: &Site<D>,
 ) -> Result<Read<D>, ProbeError<D>> {
+    if probe.quantity.is_absent() {
+        return Ok(f64::NAN.into());
+    }
     if let Parts::Section(of, field) = probe.quantity.parts {
         return Ok(along_section(&solution.sections[of], field, probe.reading));
     }

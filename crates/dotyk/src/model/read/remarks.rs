@@ -1,6 +1,6 @@
 //! Remarks of a run and a check on bodies and contacts as they are given.
 
-use crate::contact::Role;
+use crate::contact::{Role, nodal_weights};
 use crate::fem::{OutOfBalance, Short, nearest_node, out_of_balance, show, tilted};
 use crate::geometry::{Point, distance, unit};
 use crate::mesh::Mesh;
@@ -29,6 +29,10 @@ pub struct ContactCheck<const D: usize> {
     pub penetration: f64,
     /// Smallest initial clearance.
     pub clearance: f64,
+    /// Largest initial clearance of a node with a multiplier.
+    pub farthest: f64,
+    /// Facets of both sides, and their length, in space their area; one of an obstacle.
+    pub extents: Vec<(usize, f64)>,
     /// The gap is given, so that a penetration is an intended interference.
     pub given: bool,
     /// Mean length of the facets of the nonmortar side.
@@ -75,11 +79,31 @@ pub(crate) fn check_contacts<const D: usize>(
             alone: alone.map(|n| mesh.points()[n.node]).collect(),
             penetration: deep.fold(0.0, |largest, gap| f64::max(largest, -gap)),
             clearance: gaps.iter().copied().fold(f64::INFINITY, f64::min),
+            farthest: gaps.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            extents: sides_of(condition)
+                .map(|side| extent(model, side))
+                .collect(),
             given: matches!(contact.gap, Some(Gap::Given(_))),
             facet: mean_facet(mesh, &condition.nonmortar.side),
         })
     };
     conditions.iter().filter_map(look).collect()
+}
+
+/// The sides of a condition, that of the multipliers first.
+fn sides_of<const D: usize>(condition: &Condition<D>) -> impl Iterator<Item = &SideRef> {
+    [&condition.nonmortar].into_iter().chain(&condition.mortar)
+}
+
+/// The facets of a side, and their length or area.
+fn extent<const D: usize>(model: &Model<D>, side: &SideRef) -> (usize, f64) {
+    let mesh = &model.bodies[side.body.0].mesh;
+    let facets = mesh.side(&side.side).unwrap_or_default();
+    let weights = nodal_weights(mesh, facets.iter().copied(), model.analysis, 1.0);
+    (
+        facets.len(),
+        weights.values().map(|weight| weight.extent).sum(),
+    )
 }
 
 /// Remarks on bodies that a run reports, too.

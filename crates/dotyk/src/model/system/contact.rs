@@ -3,7 +3,7 @@
 use crate::contact::{
     Against, ContactError, Corners, Coupling, Driven, End, GapPoint, InitialGap, Interface, Role,
     Sample, corners_above, facets_coincide, missed_by_nodes, pair_mortar, pair_nodes,
-    pair_obstacle, samples, smooth_parts, unmatched_facing,
+    pair_obstacle, samples, smooth_parts, unmatched_facing, within_reach,
 };
 use crate::fem::{Constraints, Place, Short, describe, show};
 use crate::geometry::Field;
@@ -169,6 +169,11 @@ impl<'a, const D: usize> Contacting<'a, D> {
     ) -> Result<Condition<D>, Error<D>> {
         let fail = |source| self.fail(source);
         let whole = self.end(nonmortar);
+        let near = self.near(whole, &opposite).map_err(fail)?;
+        let [own, far] = near.as_ref().map_or([None; 2], |both| {
+            both.each_ref().map(|facets| Some(facets.as_slice()))
+        });
+        let whole = End { part: own, ..whole };
         // a tie holds both faces of a corner by one condition
         let parts = match coupling {
             Coupling::Tied => vec![whole.facets().map_err(fail)?.to_vec()],
@@ -182,7 +187,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         };
         let pair = |part: &Vec<Facet>| {
             let end = End {
-                part: (parts.len() > 1).then_some(part.as_slice()),
+                part: (parts.len() > 1 || near.is_some()).then_some(part.as_slice()),
                 ..whole
             };
             match opposite {
@@ -190,7 +195,11 @@ impl<'a, const D: usize> Contacting<'a, D> {
                     self.above(nonmortar, end, (obstacle, &corners), coupling)
                 }
                 Counterpart::Side(mortar) => {
-                    let sides = self.sides([nonmortar, mortar], end, coupling);
+                    let other = End {
+                        part: far,
+                        ..self.end(mortar)
+                    };
+                    let sides = self.sides([nonmortar, mortar], [end, other], coupling);
                     sides.map_err(fail)
                 }
             }
@@ -221,6 +230,18 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 point: whole.body.mesh.points()[node],
             }),
         }
+    }
+
+    /// The facets of a side and of its mortar side that face each other within the reach of the contact, if it has one.
+    fn near(
+        &self,
+        end: End<'_, D>,
+        opposite: &Counterpart<'a, D>,
+    ) -> Result<Option<[Vec<Facet>; 2]>, ContactError> {
+        let (Some(reach), Counterpart::Side(mortar)) = (self.contact.reach, opposite) else {
+            return Ok(None);
+        };
+        within_reach([end, self.end(mortar)], reach).map(Some)
     }
 
     /// Evaluates a sampled gap at all places where it is needed: a trial pairing with a recording field finds them.
@@ -372,10 +393,10 @@ impl<'a, const D: usize> Contacting<'a, D> {
     fn sides(
         &self,
         [nonmortar, mortar]: [&'a SideRef; 2],
-        end: End<'_, D>,
+        ends: [End<'_, D>; 2],
         coupling: Coupling,
     ) -> Result<Condition<D>, ContactError> {
-        let ends = [end, self.end(mortar)];
+        let end = ends[0];
         let conforming = self.conforming(ends, coupling)?;
         let against = Against::Side(ends[1]);
         let gap = self.gap(match (&conforming, coupling) {

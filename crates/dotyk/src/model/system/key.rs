@@ -138,11 +138,12 @@ fn same_contact<const D: usize>(a: &Contact<D>, b: &Contact<D>) -> bool {
         pairing,
         gap,
         law,
+        reach,
         exclude,
         friction_exclude,
         active,
     } = a;
-    (name, pairing, active) == (&b.name, &b.pairing, &b.active)
+    (name, pairing, reach, active) == (&b.name, &b.pairing, &b.reach, &b.active)
         && (exclude, friction_exclude) == (&b.exclude, &b.friction_exclude)
         && same_pair(pair, &b.pair)
         && same_gap(gap.as_ref(), b.gap.as_ref())
