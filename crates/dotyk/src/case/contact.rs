@@ -4,10 +4,12 @@ use crate::case::body::joined;
 use crate::case::document::{Entry, Node, Span, Table, Value, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
+use crate::case::mesh_file::MeshFiles;
 use crate::case::points::{named_places, of_body};
 use crate::case::steps::Steps;
 use crate::case::suggest::listed;
 use crate::case::surface::{shapes, surface};
+use crate::case::tool::tool;
 use crate::contact::{ContactError, End};
 use crate::fem::Constraints;
 use crate::geometry::Field;
@@ -72,12 +74,13 @@ pub(crate) fn contacts<const D: usize>(
     nodes: &[Node],
     bodies: &mut [Body<D>],
     steps: &Steps,
+    files: &mut MeshFiles,
 ) -> Result<Contacts<D>, Fault> {
     let tables = nodes.iter().map(|node| {
         let sought = node.table(keys::CONTACT)?.entry("bodies").is_some();
         Ok(match sought {
             true => Read::Sought(Box::new(finding(node, bodies, steps)?)),
-            false => Read::Written(Box::new(contact(node, bodies, steps)?)),
+            false => Read::Written(Box::new(contact(node, bodies, steps, files)?)),
         })
     });
     let tables = tables.collect::<Result<Vec<Read<D>>, Fault>>()?;
@@ -225,10 +228,11 @@ fn contact<const D: usize>(
     node: &Node,
     bodies: &mut [Body<D>],
     steps: &Steps,
+    files: &mut MeshFiles,
 ) -> Result<Contact<D>, Fault> {
     let table = node.table(keys::CONTACT)?;
     let name = name(table.require("name", "a contact")?)?;
-    let pair = pair(table, &name, bodies)?;
+    let pair = pair(table, &name, bodies, files)?;
     let law = law(table, &name)?;
     let pairing = pairing(table)?;
     if let (Some(entry), Pair::Obstacle { .. }) = (table.entry("reach"), &pair) {
@@ -378,6 +382,7 @@ fn pair<const D: usize>(
     table: Table<'_>,
     contact: &str,
     bodies: &mut [Body<D>],
+    files: &mut MeshFiles,
 ) -> Result<Pair<D>, Fault> {
     let get = |key: &str| table.get(key);
     match (
@@ -403,7 +408,7 @@ fn pair<const D: usize>(
         }
         (Some(nonmortar), None, None, Some(node)) => Ok(Pair::Obstacle {
             nonmortar: side_ref(nonmortar, bodies)?,
-            obstacle: obstacle(node)?,
+            obstacle: obstacle(node, contact, files)?,
         }),
         _ => {
             let given = ["nonmortar", "mortar", "sides", "obstacle"];
@@ -463,10 +468,15 @@ pub(crate) fn side_ref<const D: usize>(
 }
 
 /// A shape and its motion.
-fn obstacle<const D: usize>(node: &Node) -> Result<Obstacle<D>, Fault> {
+fn obstacle<const D: usize>(
+    node: &Node,
+    contact: &str,
+    files: &mut MeshFiles,
+) -> Result<Obstacle<D>, Fault> {
     let table = node.table(keys::OBSTACLE)?;
-    let shapes = shapes::<D>().chain(["gap"]);
-    let all = keys::SURFACE.iter().copied().chain(["gap"]);
+    let tools = ["outline", "stl"];
+    let shapes = shapes::<D>().chain([tools[D - 2], "gap"]);
+    let all = keys::SURFACE.iter().copied().chain(tools).chain(["gap"]);
     let given: Vec<&Entry> = all.filter_map(|key| table.entry(key)).collect();
     let [entry] = given[..] else {
         return Err(Fault::new(table.span, "an obstacle has exactly one shape")
@@ -475,6 +485,10 @@ fn obstacle<const D: usize>(node: &Node) -> Result<Obstacle<D>, Fault> {
     };
     let shape = match entry.key.as_str() {
         "gap" => Rigid::Gap(entry.node.field()?),
+        key if tools.contains(&key) => {
+            let tool = tool(entry, contact, files)?;
+            Rigid::Tool(Arc::new(tool))
+        }
         _ => {
             let (surface, inside) = surface(entry)?;
             Rigid::Surface { surface, inside }

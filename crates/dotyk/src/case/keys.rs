@@ -257,6 +257,8 @@ pub const OBSTACLE: &[&str] = &[
     "sphere",
     "cylinder",
     "cone",
+    "stl",
+    "outline",
 ];
 /// `friction` of a contact, when it is a table.
 pub const FRICTION: &[&str] = &["coulomb", "tresca", "cohesion", "tension"];

@@ -47,6 +47,18 @@ struct Unused {
 }
 
 impl MeshFiles {
+    /// The content of a file, whose path is relative to the case.
+    ///
+    /// Errors: why it cannot be read.
+    pub fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
+        crate::host::read(&self.folder.join(path))
+    }
+
+    /// Adds a warning of reading.
+    pub fn warn(&mut self, warning: String) {
+        self.warnings.push(warning);
+    }
+
     pub fn new(folder: &Path) -> Self {
         Self {
             folder: folder.to_path_buf(),

@@ -29,6 +29,7 @@ mod steps;
 mod strength;
 mod suggest;
 mod surface;
+mod tool;
 
 pub use error::CaseError;
 pub use expression::{ExpressionError, parse as parse_expression};
@@ -428,7 +429,7 @@ where
     let mut bodies = bodies.collect::<Result<Vec<_>, _>>()?;
     own_regions(&files.used, &bodies)?;
 
-    let found = contact::contacts(contacts, &mut bodies, &steps)?;
+    let found = contact::contacts(contacts, &mut bodies, &steps, files)?;
     names_of_found(&found, &named)?;
 
     let sections = sections.iter();

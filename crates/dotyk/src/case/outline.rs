@@ -249,7 +249,8 @@ fn contour(
     Ok((Contour::Path { from, edges }, spans))
 }
 
-fn edge(table: Table<'_>, start: Point<2>) -> Result<OutlineEdge, Fault> {
+/// The edge of a path that goes on from a point.
+pub(crate) fn edge(table: Table<'_>, start: Point<2>) -> Result<OutlineEdge, Fault> {
     let to = table.require("to", "an edge")?.point()?;
     let shapes: Vec<_> = ["center", "via", "radius"]
         .into_iter()

@@ -122,6 +122,16 @@ pub enum ContactError {
         /// A length.
         reach: f64,
     },
+    /// A side is in front of the back of a tool.
+    #[error(
+        "all facets of {tool} turn their backs to {side}: outward is where one sees the corners of a triangle counter-clockwise, or the right of the way along an outline; turn them round"
+    )]
+    Turned {
+        /// Name of the tool.
+        tool: String,
+        /// The side.
+        side: String,
+    },
     /// There is no node with a multiplier to exclude there.
     #[error(
         "no node of {side} {place} carries a multiplier: in space corners of facets do, nodes in the middle of edges do not; name a corner, or a side"

@@ -31,6 +31,7 @@ mod sampling;
 mod search;
 mod share;
 mod sheets;
+mod tool;
 mod weights;
 
 pub use corners::{Corners, corners_above, smooth_parts};
@@ -46,6 +47,7 @@ pub use node_to_node::{pair_nodes, pair_obstacle};
 pub use obstacle::{Driven, Rigid};
 pub use relative::frame;
 pub use sampling::{Sample, samples};
+pub use tool::Tool;
 pub use weights::nodal_weights;
 
 use crate::fem::{Body, Constraints, side_facets};
@@ -120,6 +122,14 @@ pub enum Against<'a, const D: usize> {
 }
 
 impl<'a, const D: usize> Against<'a, D> {
+    /// The same, a tool as a side.
+    fn paired(self) -> Self {
+        match self {
+            Self::Obstacle(Rigid::Tool(tool), driven) => Self::Side(tool.end(driven)),
+            other => other,
+        }
+    }
+
     /// The same as one of E dimensions; `None` where D is not E.
     pub(crate) fn of_dimension<const E: usize>(self) -> Option<Against<'a, E>> {
         Some(match self {

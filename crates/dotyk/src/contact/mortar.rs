@@ -58,7 +58,7 @@ use crate::contact::share::{GapAt, Share, Station, Sums};
 use crate::contact::sheets::sheets;
 use crate::contact::{
     Against, ContactError, Coupling, Driven, End, GapPoint, GapShares, InitialGap, Interface,
-    InterfaceNode, Role, pieces, polygons,
+    InterfaceNode, Rigid, Role, pieces, polygons,
 };
 use crate::fem::{Analysis, Held, measure};
 use crate::geometry::{Point, dot, norm, unit};
@@ -96,6 +96,11 @@ pub fn pair_mortar<const D: usize>(
     analysis: Analysis,
     time: f64,
 ) -> Result<Interface<D>, ContactError> {
+    if let Against::Obstacle(Rigid::Tool(tool), driven) = against {
+        let side = Against::Side(tool.end(driven));
+        let interface = pair_mortar(nonmortar, side, gap, coupling, analysis, time)?;
+        return Ok(interface.on_translation());
+    }
     let neither = || ContactError::NeitherPlaneNorSpace {
         side: nonmortar.name(),
     };

@@ -1,8 +1,9 @@
 //! Rigid obstacles: the point of their surface opposite a point of a side, and their motion.
 
-use crate::contact::{ContactError, End};
+use crate::contact::{ContactError, End, Tool};
 use crate::fem::show;
 use crate::geometry::{Field, Point, Surface, add_scaled, dot, norm};
+use std::sync::Arc;
 
 /// The shape of a rigid obstacle.
 #[derive(Debug, Clone)]
@@ -17,6 +18,8 @@ pub enum Rigid<const D: usize> {
         /// The body is inside the sphere.
         inside: bool,
     },
+    /// A surface of facets.
+    Tool(Arc<Tool<D>>),
 }
 
 impl<const D: usize> Rigid<D> {
@@ -25,6 +28,7 @@ impl<const D: usize> Rigid<D> {
         match self {
             Self::Gap(field) => add_scaled(point, field.at(point, time), normal),
             Self::Surface { surface, .. } => surface.closest(point),
+            Self::Tool(tool) => tool.closest(point),
         }
     }
 
@@ -36,6 +40,7 @@ impl<const D: usize> Rigid<D> {
                 let outward = if *inside { -1.0 } else { 1.0 };
                 Some(outward * surface.distance(point))
             }
+            Self::Tool(tool) => Some(tool.distance(point)),
         }
     }
 
@@ -47,6 +52,15 @@ impl<const D: usize> Rigid<D> {
                 let normal = surface.normal(point)?;
                 Some(if *inside { normal } else { normal.map(|c| -c) })
             }
+            Self::Tool(tool) => Some(tool.normal(point)?.map(|c| -c)),
+        }
+    }
+
+    /// The angle between its normals next to two points, in radians; zero where they are not known.
+    pub fn turn(&self, a: Point<D>, b: Point<D>) -> f64 {
+        match (self.towards(a), self.towards(b)) {
+            (Some(a), Some(b)) => dot(a, b).clamp(-1.0, 1.0).acos(),
+            _ => 0.0,
         }
     }
 
@@ -57,6 +71,8 @@ impl<const D: usize> Rigid<D> {
             Self::Surface { surface, inside } => {
                 surface_opposite(surface, *inside, point, normal).is_some()
             }
+            // it is paired as a side
+            Self::Tool(_) => false,
         }
     }
 
@@ -70,6 +86,8 @@ impl<const D: usize> Rigid<D> {
         Ok(match self {
             Self::Gap(field) => Some((normal, finite_gap(field, point, time, end)?)),
             Self::Surface { surface, inside } => surface_opposite(surface, *inside, point, normal),
+            // it is paired as a side
+            Self::Tool(_) => None,
         })
     }
 }

@@ -31,6 +31,7 @@ impl<'a, const D: usize> Opposite<'a, D> {
         time: f64,
     ) -> Result<Self, ContactError> {
         let own = nonmortar.facets()?;
+        let against = against.paired();
         let mut surfaces = [Some(true_surface(nonmortar, own)?), None];
         let search = match against {
             Against::Obstacle(..) => None,
@@ -147,7 +148,8 @@ impl<'a, const D: usize> Opposite<'a, D> {
             return Ok(None);
         };
         let start = match rigid {
-            Rigid::Gap(_) => line.start,
+            // a tool is paired as a side
+            Rigid::Gap(_) | Rigid::Tool(_) => line.start,
             Rigid::Surface { .. } => {
                 let rise = rise(&self.surfaces[0], facet, line);
                 add_scaled(line.start, rise, line.direction)

@@ -9,7 +9,7 @@
 //! resolve.
 
 use crate::contact::opposite::{Opposite, shape};
-use crate::contact::{Against, ContactError, End, GapPoint, InitialGap};
+use crate::contact::{Against, ContactError, End, GapPoint, InitialGap, Rigid};
 use crate::fem::quadrature;
 use crate::geometry::Point;
 use crate::mesh::{CellKind, Domain, Facet};
@@ -45,10 +45,15 @@ pub fn samples<const D: usize>(
     time: f64,
 ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
     let sides = Opposite::new(nonmortar, against, gap, time)?;
+    let is_tool = matches!(against, Against::Obstacle(Rigid::Tool(_), _));
     let at = |facet: Facet, places: &[[f64; 2]]| {
         let found = places.iter();
         let found = found.filter_map(|xi| sample(&sides, facet, *xi).transpose());
-        found.collect::<Result<Vec<_>, _>>()
+        let mut found = found.collect::<Result<Vec<Sample<D>>, _>>()?;
+        // the nodes of a tool move alike
+        let opposites = found.iter_mut().map(|sample| &mut sample.at.opposite);
+        opposites.filter(|_| is_tool).for_each(Vec::clear);
+        Ok(found)
     };
     let on_facet = |&facet: &Facet| {
         let kind = sides.mesh().facet_kind(facet);

@@ -156,7 +156,7 @@ impl<'a, const D: usize> Screen<'a, D> {
 
     /// Hits of a line between two distances whose cosine to the outward normal satisfies a condition, in ascending order of facets,
     /// with these cosines.
-    fn meets(
+    pub fn meets(
         &self,
         line: Line<D>,
         [from, to]: [f64; 2],

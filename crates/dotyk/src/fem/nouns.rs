@@ -232,6 +232,27 @@ pub struct Body<const D: usize> {
 }
 
 impl<const D: usize> Body<D> {
+    /// A body of this mesh, of no material yet, that nothing holds or loads.
+    pub(crate) fn of(name: &str, mesh: Arc<Mesh<D>>) -> Self {
+        Self {
+            name: name.to_string(),
+            mesh,
+            materials: Vec::new(),
+            thickness: 1.0,
+            body_force: std::array::from_fn(|_| Field::constant(0.0)),
+            initial: Initial::default(),
+            active: Active::ALWAYS,
+            release: None,
+            supports: Vec::new(),
+            springs: Vec::new(),
+            loads: Vec::new(),
+            formulation: Formulation::default(),
+            couples: Vec::new(),
+            surfaces: BTreeMap::new(),
+            points: BTreeMap::new(),
+        }
+    }
+
     /// Places of supports and springs.
     pub(crate) fn held_places(&self) -> impl Iterator<Item = Place<D>> {
         let supports = self.supports.iter().map(|support| support.place.clone());

@@ -195,6 +195,9 @@ impl<const D: usize> Mesh<D> {
 
     /// The facets that belong to one cell only, in ascending order.
     pub fn boundary_facets(&self) -> Vec<Facet> {
+        if self.shell {
+            return self.sides.values().flatten().copied().collect();
+        }
         let table = self.facet_table();
         let mut boundary: Vec<Facet> = table
             .groups()

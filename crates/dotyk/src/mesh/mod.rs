@@ -20,6 +20,7 @@ mod on_surface;
 mod outline;
 mod recipe;
 mod reference;
+mod shell;
 mod sizes;
 mod skin;
 mod strip;
@@ -31,6 +32,7 @@ pub(crate) use generate::pieces;
 pub use generate::{
     Cuboid, Cylinder, Diagonals, Extrude, Path, Rectangle, Ring, Sphere, TunnelRock,
 };
+pub(crate) use import::stl::Triangles;
 pub use import::{FilePlace, ImportError, Imported, MeshFile};
 pub(crate) use locate::{Located, locate, locate_all, locate_on_side};
 pub(crate) use outline::GROWTH;
@@ -40,6 +42,7 @@ pub use outline::{
 };
 pub use recipe::{Generator, Recipe};
 pub use reference::{CellKind, Domain};
+pub(crate) use shell::Segments;
 pub use sizes::{SizeField, SizePoint};
 pub(crate) use skin::{Bow, SHARP, Skin, Surrounding};
 pub use strip::{Cut, Strip, StripError};
@@ -71,6 +74,8 @@ pub struct Mesh<const D: usize> {
     curves: BTreeMap<Facet, Surface<D>>,
     recipe: Recipe<D>,
     found: Found<D>,
+    /// It is a surface without a body behind it: its sides are its whole boundary.
+    shell: bool,
 }
 
 impl<const D: usize> Mesh<D> {
@@ -86,6 +91,7 @@ impl<const D: usize> Mesh<D> {
             curves: BTreeMap::new(),
             recipe: Recipe::default(),
             found: Found::default(),
+            shell: false,
         }
         .checked()
     }

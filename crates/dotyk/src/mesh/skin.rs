@@ -36,6 +36,8 @@ pub(crate) struct Skin<const D: usize> {
     ridges: Vec<([u32; 2], [usize; 2])>,
     /// Where simplices meet sharply: the ends of edges in space, twice the corner in the plane.
     sharp: Vec<[u32; 2]>,
+    /// Where one simplex ends and no other begins, of an open surface: ends as those of `sharp`.
+    open: Vec<[u32; 2]>,
 }
 
 /// The surface at one of its nodes.
@@ -76,6 +78,7 @@ impl<const D: usize> Skin<D> {
             edges: Vec::new(),
             ridges: Vec::new(),
             sharp: Vec::new(),
+            open: Vec::new(),
         };
         skin.look_around(mesh.points());
         skin
@@ -97,6 +100,11 @@ impl<const D: usize> Skin<D> {
         ridges.sort_unstable();
         let pairs = ridges.windows(2).filter(|pair| pair[0].0 == pair[1].0);
         self.ridges = pairs.map(|p| (p[0].0, [p[0].1, p[1].1])).collect();
+        let all = ridges.chunk_by(|a, b| a.0 == b.0);
+        self.open = all
+            .filter(|one| one.len() == 1)
+            .map(|one| one[0].0)
+            .collect();
         let turns = self.ridges.iter();
         let sharp = turns.filter(|(_, both)| self.cosine(*both, points) <= SHARP);
         self.sharp = sharp.map(|(ends, _)| *ends).collect();
@@ -164,6 +172,16 @@ impl<const D: usize> Skin<D> {
         let edges = self.sharp.iter();
         let mut edges = edges.map(|ends| ends.map(|node| points[node as usize]));
         edges.any(|edge| distance(x, on_segment(edge, x)) <= reach)
+    }
+
+    /// Whether a point of the surface lies on its end.
+    pub fn is_open_at(&self, points: &[Point<D>], x: Point<D>) -> bool {
+        let ends = self
+            .open
+            .iter()
+            .map(|ends| ends.map(|node| points[node as usize]));
+        let mut ends = ends.map(|edge| (distance(x, on_segment(edge, x)), edge));
+        ends.any(|(off, edge)| off <= MEETING * (distance(edge[0], edge[1]) + norm(x)))
     }
 
     fn simplex(&self, index: usize, points: &[Point<D>]) -> Simplex<D> {
@@ -251,6 +269,7 @@ fn divided(kind: CellKind) -> &'static [[usize; 3]] {
 }
 
 /// A part of a surface, somewhere.
+#[derive(Debug)]
 pub(crate) struct Surrounding<const D: usize>(RTree<Simplex<D>>);
 
 impl<const D: usize> Surrounding<D> {
@@ -272,6 +291,12 @@ impl<const D: usize> Surrounding<D> {
         Some((if outside { -length } else { length }, nearest.nodes))
     }
 
+    /// The point of the surface nearest to another one, and the normal of its simplex outwards; `None` for an empty surface.
+    pub fn closest(&self, p: Point<D>) -> Option<(Point<D>, Point<D>)> {
+        let nearest = self.0.nearest_neighbor(p)?;
+        Some((nearest.closest(p), nearest.normal()))
+    }
+
     /// The distance of a point from the surface; infinite for an empty surface.
     pub fn distance(&self, p: Point<D>) -> f64 {
         let nearest = self.0.nearest_neighbor(p);
@@ -290,6 +315,7 @@ impl<const D: usize> Surrounding<D> {
 }
 
 /// A segment of the plane, a triangle of space.
+#[derive(Debug)]
 struct Simplex<const D: usize> {
     corners: [Point<D>; D],
     nodes: [u32; D],

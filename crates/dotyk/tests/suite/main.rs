@@ -54,6 +54,7 @@ mod strangers;
 mod strength;
 mod tables;
 mod tidy;
+mod tools;
 mod travel;
 mod warnings;
 mod written;

@@ -567,6 +567,7 @@ impl Lattice {
             curves: BTreeMap::new(),
             recipe: Default::default(),
             found: Default::default(),
+            shell: false,
         }
         .checked()
     }

@@ -134,6 +134,7 @@ fn carry(
         curves,
         recipe: Default::default(),
         found: Default::default(),
+        shell: false,
     }
     .checked()
 }
@@ -737,6 +738,7 @@ impl Sphere {
             curves: BTreeMap::new(),
             recipe: Default::default(),
             found: Default::default(),
+            shell: false,
         }
         .checked()
     }

@@ -71,6 +71,7 @@ pub(super) fn tetrahedra(mesh: &Mesh<3>) -> Result<Mesh<3>, MeshError> {
         curves: curves.collect(),
         recipe: Default::default(),
         found: Default::default(),
+        shell: false,
     }
     .checked()
 }

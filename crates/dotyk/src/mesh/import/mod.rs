@@ -18,6 +18,7 @@ mod error;
 mod gmsh;
 mod groups;
 mod remarks;
+pub(crate) mod stl;
 mod vtu;
 
 pub use body::Imported;

@@ -30,9 +30,9 @@
 //! second term does not count. Of the first a tenth counts where each node has a condition of its own, and zero where a node of the
 //! side has no condition. The turn of the obstacle's normal along the motion is added.
 
-use crate::contact::{Moved, Rigid, Role};
+use crate::contact::{Moved, Role};
 use crate::dual::{BETWEEN_LIMIT, ROUNDING};
-use crate::geometry::{Point, Surface, add_scaled, bounding_box, distance, dot, norm, sub};
+use crate::geometry::{Point, add_scaled, bounding_box, distance, norm, sub};
 use crate::mesh::{Bow, Skin, Surrounding};
 use crate::model::march::between::resolved;
 use crate::model::nouns::ids::SideRef;
@@ -506,9 +506,6 @@ fn in_obstacle<const D: usize>(
     let Pair::Obstacle { obstacle, .. } = pair else {
         return None;
     };
-    let Rigid::Surface { surface, .. } = &obstacle.shape else {
-        return None;
-    };
     let rounding = COORDINATE * extent(&[body.bounds]);
     let depth = |x: Point<D>| obstacle.shape.distance(x).map(|out| -out);
     let found = body.skin.nodes().iter().filter_map(|&node| {
@@ -527,7 +524,7 @@ fn in_obstacle<const D: usize>(
             None => contact.allows(node)?,
         };
         let allowed = of_contact
-            + motion * (body.gradient(node) + turn(surface, first, now) + NO_OVERLAP)
+            + motion * (body.gradient(node) + obstacle.shape.turn(first, now) + NO_OVERLAP)
             + rounding;
         Some(Intrusion {
             body: body.name.to_string(),
@@ -541,12 +538,4 @@ fn in_obstacle<const D: usize>(
         })
     });
     found.reduce(Intrusion::worse)
-}
-
-/// The angle between the normals of a surface at two points, in radians.
-fn turn<const D: usize>(surface: &Surface<D>, a: Point<D>, b: Point<D>) -> f64 {
-    match (surface.normal(a), surface.normal(b)) {
-        (Some(a), Some(b)) => dot(a, b).clamp(-1.0, 1.0).acos(),
-        _ => 0.0,
-    }
 }

@@ -6,7 +6,6 @@ use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::*;
 use crate::model::nouns::quantity::{Quantity, QuantityError};
 use crate::model::nouns::section::{Section, Stations};
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl<const D: usize> Default for Model<D> {
@@ -41,27 +40,15 @@ impl<const D: usize> Model<D> {
 
     /// Adds a body of one material.
     pub fn body(&mut self, name: &str, mesh: impl Into<Arc<Mesh<D>>>, elastic: Elastic) -> BodyId {
+        let material = Material {
+            group: None,
+            elastic,
+            strength: None,
+            plastic: None,
+        };
         self.bodies.push(Body {
-            name: name.to_string(),
-            mesh: mesh.into(),
-            materials: vec![Material {
-                group: None,
-                elastic,
-                strength: None,
-                plastic: None,
-            }],
-            thickness: 1.0,
-            body_force: std::array::from_fn(|_| Field::constant(0.0)),
-            initial: Initial::default(),
-            active: Active::ALWAYS,
-            release: None,
-            supports: Vec::new(),
-            springs: Vec::new(),
-            loads: Vec::new(),
-            formulation: crate::fem::Formulation::default(),
-            couples: Vec::new(),
-            surfaces: BTreeMap::new(),
-            points: BTreeMap::new(),
+            materials: vec![material],
+            ..Body::of(name, mesh.into())
         });
         BodyId(self.bodies.len() - 1)
     }

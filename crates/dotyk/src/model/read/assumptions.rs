@@ -128,31 +128,40 @@ fn few_closed<const D: usize>(
     ))
 }
 
-/// A curved obstacle along which a closed node slips so far that the curvature s²/2R of its path is comparable to the approach of
-/// the sides.
+/// A curved obstacle along which a closed node slips so far that the obstacle curves away from it, by s²/2R where it is round, by as much
+/// as the approach of the sides.
 fn along_a_curve<const D: usize>(of: &Contact<D>, contact: &ContactSolution<D>) -> Option<String> {
     let Pair::Obstacle { obstacle, .. } = &of.pair else {
         return None;
     };
-    let Rigid::Surface { surface, .. } = &obstacle.shape else {
-        return None;
+    let round = |slip: Point<D>, straight: Point<D>, radius: f64| {
+        let around = norm(add_scaled(slip, -dot(slip, straight), straight));
+        (around, around * around / (2.0 * radius))
     };
-    // along its axis a cylinder is straight
-    let (radius, straight) = match surface {
-        Surface::Sphere { radius, .. } => (radius, [0.0; D]),
-        Surface::Cylinder { radius, axis, .. } => (radius, *axis),
-        Surface::Plane { .. } | Surface::Cone { .. } => return None,
+    let away = |node: &ContactNode<D>| match &obstacle.shape {
+        Rigid::Gap(_) => (0.0, 0.0),
+        Rigid::Surface { surface, .. } => match surface {
+            Surface::Sphere { radius, .. } => round(node.slip, [0.0; D], *radius),
+            // along its axis it is straight
+            Surface::Cylinder { radius, axis, .. } => round(node.slip, *axis, *radius),
+            Surface::Plane { .. } | Surface::Cone { .. } => (0.0, 0.0),
+        },
+        Rigid::Tool(tool) => {
+            let out = |part: f64| tool.distance(add_scaled(node.point, part, node.slip));
+            // along its facet it does not curve
+            let along = tool.normal(node.point).map_or(0.0, |n| dot(n, node.slip));
+            (norm(node.slip), (out(1.0) - out(0.0) - along).abs())
+        }
     };
-    let around = |slip: Point<D>| norm(add_scaled(slip, -dot(slip, straight), straight));
     let closed = contact
         .nodes
         .iter()
         .filter(|n| n.status != Status::Open && n.slip.iter().all(|s| s.is_finite()));
-    let (slip, approach) = closed.fold((0.0f64, 0.0f64), |(slip, approach), node| {
+    let (slip, away, approach) = closed.fold((0.0f64, 0.0f64, 0.0f64), |most, node| {
         let jump = node.displacement_nonmortar - node.displacement_mortar;
-        (slip.max(around(node.slip)), approach.max(jump.abs()))
+        let (slip, away) = away(node);
+        (most.0.max(slip), most.1.max(away), most.2.max(jump.abs()))
     });
-    let away = slip * slip / (2.0 * radius);
     (away > LARGE * approach).then(|| {
         format!(
             "contact \"{}\": its curved obstacle slips along it by up to {}, over which it curves away by {}: the contact stays where it was found before anything moved; move the obstacle to its place in the case, and only press it there",
@@ -172,10 +181,13 @@ fn met_elsewhere<const D: usize>(
     let Pair::Obstacle { obstacle, .. } = &of.pair else {
         return None;
     };
-    let Rigid::Surface { surface, inside } = &obstacle.shape else {
-        return None;
-    };
-    if matches!(surface, Surface::Plane { .. }) {
+    let shape = &obstacle.shape;
+    if let Rigid::Gap(_)
+    | Rigid::Surface {
+        surface: Surface::Plane { .. },
+        ..
+    } = shape
+    {
         return None;
     }
     let motion = condition.touch.obstacle_motion;
@@ -189,17 +201,16 @@ fn met_elsewhere<const D: usize>(
         .nodes
         .iter()
         .filter(|node| node.status == Status::Open);
-    let sign = if *inside { -1.0 } else { 1.0 };
     let depth = |node: &ContactNode<D>| {
         let jump = sub(u[node.node], motion);
         let place = add_scaled(node.point, 1.0, jump);
-        let outward = surface.normal(place)?.map(|c| sign * c);
-        let depth = -sign * surface.distance(place);
+        let inward = shape.towards(place)?;
+        let depth = -shape.distance(place)?;
         // the rest of mean conditions at a node is visible without the motion along the side, too
-        let seen = dot(node.normal, jump) - sign * surface.distance(node.point);
+        let seen = dot(node.normal, jump) - shape.distance(node.point)?;
         let new = node.gap.is_nan() || seen < 0.5 * depth;
         // the far side of the obstacle does not count
-        (new && dot(outward, node.normal) < 0.0).then_some((depth, node.point))
+        (new && dot(inward, node.normal) > 0.0).then_some((depth, node.point))
     };
     let (depth, point) = open.filter_map(depth).max_by(|a, b| a.0.total_cmp(&b.0))?;
     let seen = LARGE * approach + DRIVE_ROUNDING * norm(motion);

@@ -466,7 +466,7 @@ pub(crate) fn varying_gap<const D: usize>(contact: &Contact<D>) -> Option<&Field
     let field = match (&contact.pair, &contact.gap) {
         (Pair::Obstacle { obstacle, .. }, _) => match &obstacle.shape {
             Rigid::Gap(field) => Some(field),
-            Rigid::Surface { .. } => None,
+            Rigid::Surface { .. } | Rigid::Tool(_) => None,
         },
         (_, Some(Gap::Given(field))) => Some(field),
         _ => None,

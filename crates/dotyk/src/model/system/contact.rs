@@ -354,6 +354,11 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let samples = self.samples(end, against, InitialGap::Measured);
         let obstacle_motion = obstacle_motion(self.contact, self.time)?;
         let interface = interface.map_err(|source| self.fail(source))?;
+        if let Rigid::Tool(tool) = &obstacle.shape
+            && interface.nodes.iter().all(|node| node.gap.is_nan())
+        {
+            tool.check_turned(end).map_err(|source| self.fail(source))?;
+        }
         Ok(Condition {
             opposite: self.at.1,
             touch: Touch {
@@ -379,9 +384,12 @@ impl<'a, const D: usize> Contacting<'a, D> {
             let against = Against::Obstacle(&obstacle.shape, driven);
             pair_mortar(end, against, InitialGap::Measured, coupling, analysis, time)
         };
+        // nodes may lie between the corners of a tool
+        let by_facets = matches!(obstacle.shape, Rigid::Tool(_));
         match self.contact.pairing {
             Some(Pairing::NodeToNode) => nodal(),
             Some(Pairing::Mortar) => integrated(),
+            None if by_facets => integrated(),
             None => match nodal() {
                 Err(ContactError::Weight { .. }) => integrated(),
                 other => other,

@@ -182,6 +182,7 @@ fn same_obstacle<const D: usize>(a: &Obstacle<D>, b: &Obstacle<D>) -> bool {
                 inside: i,
             },
         ) => (surface, inside) == (s, i),
+        (Rigid::Tool(a), Rigid::Tool(b)) => a == b,
         _ => false,
     };
     let motions = match (motion, &b.motion) {

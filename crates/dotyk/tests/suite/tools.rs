@@ -1,0 +1,347 @@
+//! Rigid tools of any shape: as planes and circles where they are flat or round, pressed where their edges are, clear words for files
+//! and outlines that are none.
+
+use dotyk::case::Case;
+use dotyk::geometry::{Point, distance, norm};
+use dotyk::model::Solution;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn read<const D: usize>(text: &str, folder: &Path) -> Case<D>
+where
+    Case<D>: Reads,
+{
+    Case::<D>::of(text, folder).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A case of either dimension from its text.
+trait Reads: Sized {
+    fn of(text: &str, folder: &Path) -> Result<Self, String>;
+}
+
+impl Reads for Case<2> {
+    fn of(text: &str, folder: &Path) -> Result<Self, String> {
+        Self::from_str(text, "case.toml", folder).map_err(|error| error.message)
+    }
+}
+
+impl Reads for Case<3> {
+    fn of(text: &str, folder: &Path) -> Result<Self, String> {
+        Self::from_str(text, "case.toml", folder).map_err(|error| error.message)
+    }
+}
+
+fn plane(text: &str) -> Vec<Solution<2>> {
+    read::<2>(text, Path::new(".")).model.solve_steps().unwrap()
+}
+
+/// A folder of this test with a file.
+fn folder(name: &str, files: &[(&str, &[u8])]) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("tools")
+        .join(name);
+    fs::create_dir_all(&folder).unwrap();
+    for (file, content) in files {
+        fs::write(folder.join(file), content).unwrap();
+    }
+    folder
+}
+
+/// The largest difference of displacements of two solutions, over the largest displacement.
+fn difference<const D: usize>(a: &Solution<D>, b: &Solution<D>) -> f64 {
+    let u = |s: &Solution<D>| -> Vec<Point<D>> {
+        let bodies = s.bodies.iter();
+        bodies.flat_map(|body| body.displacement.clone()).collect()
+    };
+    let (a, b) = (u(a), u(b));
+    let off = a.iter().zip(&b).map(|(&a, &b)| distance(a, b));
+    off.fold(0.0, f64::max) / a.iter().map(|&a| norm(a)).fold(0.0, f64::max)
+}
+
+const BLOCK: &str = r#"
+analysis = "plane-strain"
+[[body]]
+name = "block"
+mesh = { rectangle = { from = [0, 0], to = [4, 2], cells = [9, 4], cell = "quad9" } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[contact]]
+name = "c"
+nonmortar = "block.top"
+obstacle = { SHAPE }
+MORE
+[[step]]
+time = 1
+[[step]]
+time = 2
+"#;
+
+fn block(shape: &str, more: &str) -> String {
+    BLOCK.replace("SHAPE", shape).replace("MORE", more)
+}
+
+#[test]
+fn a_flat_tool_is_a_plane() {
+    for (motion, more) in [
+        ("displacement = [0, \"-0.01*t\"]", "pairing = \"mortar\""),
+        (
+            "displacement = [\"0.02*(t-1)\", -0.01]",
+            "pairing = \"mortar\"\nfriction = 0.2",
+        ),
+        ("force = [0, \"-20*t\"]", "pairing = \"mortar\""),
+        (
+            "force = [\"2*(t-1)\", -20]",
+            "pairing = \"mortar\"\nfriction = { tresca = 3 }",
+        ),
+    ] {
+        let flat = format!("outline = [[-1, 2], [0.7, 2], [2.61, 2], [6, 2]], {motion}");
+        let flat = plane(&block(&flat, more));
+        let whole = format!("plane = {{ point = [0, 2], normal = [0, -1] }}, {motion}");
+        let whole = plane(&block(&whole, more));
+        for (flat, whole) in flat.iter().zip(&whole) {
+            let off = difference(flat, whole);
+            assert!(off < 1e-9, "{motion}: {off:e}");
+            let [a, b] = [flat, whole].map(|s| s.contacts[0].resultant);
+            assert!(distance(a, b) < 1e-9 * norm(b), "{a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn an_arc_is_its_circle() {
+    let fine = |text: String| text.replace("cells = [9, 4]", "cells = [80, 20]");
+    let motion = "displacement = [0, -0.02]";
+    // from the left along the lower half: the solid is on the left of the way
+    let arc = format!("outline = [[-1, 5], {{ to = [5, 5], center = [2, 5] }}], {motion}");
+    let circle = format!("circle = {{ center = [2, 5], radius = 3 }}, {motion}");
+    let [arc, circle] =
+        [arc, circle].map(|shape| plane(&fine(block(&shape, "pairing = \"mortar\""))));
+    let off = difference(&arc[1], &circle[1]);
+    assert!(off < 1e-3, "{off:e}");
+    let most = |s: &Solution<2>| {
+        s.contacts[0]
+            .nodes
+            .iter()
+            .map(|n| n.pressure)
+            .fold(0.0, f64::max)
+    };
+    let (a, b) = (most(&arc[1]), most(&circle[1]));
+    assert!((a - b).abs() < 1e-3 * b, "{a} {b}");
+    let [a, b] = [&arc[1], &circle[1]].map(|s| s.contacts[0].resultant[1]);
+    assert!((a - b).abs() < 1e-4 * b.abs(), "{a} {b}");
+}
+
+#[test]
+fn a_tool_presses_where_its_edges_are() {
+    // between two nodes: the force acts under the middle of the edge of the tool
+    let narrow = block(
+        "outline = [[1.3, 4], [1.9, 2], [2.1, 2], [2.7, 4]], force = [0, -5]",
+        "",
+    );
+    let solution = &plane(&narrow)[0];
+    let contact = &solution.contacts[0];
+    assert!((contact.resultant[1] + 5.0).abs() < 1e-9);
+    let moment: f64 = contact
+        .nodes
+        .iter()
+        .map(|n| n.point[0] * n.pressure * n.weight)
+        .sum();
+    assert!((moment - 2.0 * 5.0).abs() < 0.02 * 5.0, "{moment}");
+    // turned with the block, it presses the same
+    let (sin, cos) = 0.4f64.sin_cos();
+    let turned = |x: f64, y: f64| format!("[{:?}, {:?}]", cos * x - sin * y, sin * x + cos * y);
+    let edges = [(1.3, 4.0), (1.9, 2.0), (2.1, 2.0), (2.7, 4.0)].map(|(x, y)| turned(x, y));
+    let corners = [(4.0, 0.0), (4.0, 2.0), (0.0, 2.0), (0.0, 0.0)].map(|(x, y)| turned(x, y));
+    let upright = |outline: &str, force: &str, mesh: &str| {
+        format!(
+            "analysis = \"plane-strain\"\n[[body]]\nname = \"block\"\nmesh = {{ outline = {mesh} }}\nmaterial = {{ young = 1000, poisson = 0.3 }}\nfix = [{{ side = \"bottom\", x = 0, y = 0 }}]\n[[contact]]\nname = \"c\"\nnonmortar = \"block.top\"\nobstacle = {{ outline = {outline}, force = {force} }}\n"
+        )
+    };
+    let mesh = |ends: &[String; 4]| {
+        format!(
+            "{{ size = 9, from = {}, edges = [{{ to = {}, name = \"bottom\", cells = 9 }}, {{ to = {}, cells = 5 }}, {{ to = {}, name = \"top\", cells = 9 }}, {{ to = {}, cells = 5 }}] }}",
+            ends[3], ends[0], ends[1], ends[2], ends[3]
+        )
+    };
+    let straight =
+        [(4.0, 0.0), (4.0, 2.0), (0.0, 2.0), (0.0, 0.0)].map(|(x, y)| format!("[{x:?}, {y:?}]"));
+    let first = upright(
+        "[[1.3, 4], [1.9, 2], [2.1, 2], [2.7, 4]]",
+        "[0, -5]",
+        &mesh(&straight),
+    );
+    let second = upright(
+        &format!("[{}]", edges.join(", ")),
+        &turned(0.0, -5.0),
+        &mesh(&corners),
+    );
+    let [a, b] = [first, second].map(|text| plane(&text).remove(0));
+    let pressures = |s: &Solution<2>| {
+        let mut all: Vec<f64> = s.contacts[0]
+            .nodes
+            .iter()
+            .map(|n| n.pressure)
+            .filter(|p| *p > 0.0)
+            .collect();
+        all.sort_by(f64::total_cmp);
+        all
+    };
+    // the meshes may differ in their inner nodes
+    let (a, b) = (pressures(&a), pressures(&b));
+    assert_eq!(a.len(), b.len());
+    assert!(
+        a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 0.02 * a),
+        "{a:?} {b:?}"
+    );
+}
+
+#[test]
+fn what_is_drawn_slides_by_coulombs_law() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/rigid-tools");
+    let text = |name: &str| fs::read_to_string(cases.join(name)).unwrap();
+    let wedge = read::<2>(&text("wedge.toml"), &cases)
+        .model
+        .solve_steps()
+        .unwrap();
+    let [x, y] = wedge[1].contacts[0].resultant;
+    assert!((x + 0.3 * y).abs() < 1e-8 * y.abs(), "{x} {y}");
+    let plate = read::<3>(&text("plate.toml"), &cases)
+        .model
+        .solve_steps()
+        .unwrap();
+    let [x, y, z] = plate[1].contacts[0].resultant;
+    assert!(
+        (y + 0.2 * z).abs() < 1e-3 * z.abs() && x.abs() < 1e-3 * z.abs(),
+        "{x} {y} {z}"
+    );
+    assert!(
+        plate[1].contacts[0]
+            .nodes
+            .iter()
+            .any(|node| node.gap.is_finite())
+    );
+}
+
+const CUBE: &str = r#"
+analysis = "3d"
+[[body]]
+name = "block"
+mesh = { box = { from = [0, 0, 0], to = [1, 1, 1], cells = [2, 2, 2] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0, z = 0 }]
+[[contact]]
+name = "c"
+nonmortar = "block.top"
+obstacle = { stl = "tool.stl", displacement = [0, 0, -0.01] }
+"#;
+
+/// Two triangles at a height, seen from below or above, as text.
+fn sheet(height: f64, from_below: bool) -> String {
+    let corners = [[-1.0, -1.0], [2.0, -1.0], [2.0, 2.0], [-1.0, 2.0]];
+    let triangle = |of: [usize; 3]| {
+        let mut of = of;
+        if from_below {
+            of.swap(1, 2);
+        }
+        let corners = of.map(|k| format!("vertex {} {} {height}", corners[k][0], corners[k][1]));
+        format!(
+            "facet normal 0 0 0\nouter loop\n{}\nendloop\nendfacet\n",
+            corners.join("\n")
+        )
+    };
+    format!(
+        "solid s\n{}{}endsolid s\n",
+        triangle([0, 1, 2]),
+        triangle([0, 2, 3])
+    )
+}
+
+#[test]
+fn an_open_sheet_is_a_plane_of_space() {
+    let at = folder("sheet", &[("tool.stl", sheet(1.0, true).as_bytes())]);
+    let sheet = read::<3>(CUBE, &at).model.solve().unwrap();
+    let plane = CUBE
+        .replace(
+            "stl = \"tool.stl\"",
+            "plane = { point = [0, 0, 1], normal = [0, 0, -1] }",
+        )
+        .replace("name = \"c\"", "name = \"c\"\npairing = \"mortar\"");
+    let plane = read::<3>(&plane, &at).model.solve().unwrap();
+    assert!(difference(&sheet, &plane) < 1e-9);
+}
+
+#[test]
+fn what_is_no_tool_is_told() {
+    let told = |files: &[(&str, &[u8])], name: &str, text: &str| -> String {
+        let at = folder(name, files);
+        match Case::<3>::of(text, &at) {
+            Err(message) => message,
+            Ok(case) => case
+                .model
+                .solve()
+                .map(|_| String::new())
+                .unwrap_or_else(|e| e.to_string()),
+        }
+    };
+    let back = sheet(1.1, false);
+    let error = told(&[("tool.stl", back.as_bytes())], "back", CUBE);
+    assert!(
+        error.contains("tool.stl") && error.contains("backs"),
+        "{error}"
+    );
+    let whole = sheet(1.0, true);
+    let cut = &whole.as_bytes()[..whole.len() / 2];
+    let error = told(&[("tool.stl", cut)], "cut", CUBE);
+    assert!(
+        error.contains("tool.stl") && error.contains("cut off"),
+        "{error}"
+    );
+    let error = told(
+        &[("tool.stl", b"solid none\nendsolid none\n")],
+        "none",
+        CUBE,
+    );
+    assert!(
+        error.contains("tool.stl") && error.contains("no triangles"),
+        "{error}"
+    );
+    let error = told(&[], "missing", CUBE);
+    assert!(
+        error.contains("tool.stl") && error.contains("no such file"),
+        "{error}"
+    );
+    let outline = CUBE.replace("stl = \"tool.stl\"", "outline = [[0, 0], [1, 0]]");
+    let error = told(&[], "outline", &outline);
+    assert!(
+        error.contains("`outline` is a tool of space") || error.contains("plane"),
+        "{error}"
+    );
+    for (shape, word) in [
+        ("stl = \"tool.stl\"", "`stl`"),
+        ("outline = []", "empty"),
+        ("outline = [[0, 2]]", "edges"),
+        ("outline = [[0, 2], [0, 2], [1, 2]]", "begins and ends"),
+        (
+            "outline = [[0, 2], { to = [4, 2], center = [1, 3] }]",
+            "center",
+        ),
+        (
+            "outline = [[0, 2], [4, 2]], circle = { center = [0, 0], radius = 1 }",
+            "exactly one",
+        ),
+    ] {
+        let text = block(shape, "");
+        let error = Case::<2>::of(&text, Path::new(".")).unwrap_err();
+        assert!(error.contains(word), "{shape}: {error}");
+    }
+    let turned = plane_error(&block(
+        "outline = [[5, 2.1], [-1, 2.1]], displacement = [0, -0.2]",
+        "",
+    ));
+    assert!(turned.contains("backs"), "{turned}");
+}
+
+fn plane_error(text: &str) -> String {
+    let case = read::<2>(text, Path::new("."));
+    case.model.solve().unwrap_err().to_string()
+}
