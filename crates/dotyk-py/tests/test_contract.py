@@ -610,3 +610,42 @@ def test_a_report_appears_whole_or_not_at_all(tmp_path):
     with pytest.raises(dotyk.InputError, match="cannot write"):
         s.report(tmp_path / "folder")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["folder", "report.html"]
+
+
+def test_contacts_are_found_between_bodies():
+    m = dotyk.Model("plane-strain")
+    base = m.body("base", dotyk.rectangle([0, 0], [6, 1], cells=[12, 2]), young=1000, poisson=0.0).fix("bottom", x=0, y=0)
+    blocks = [
+        m.body(f"b{k}", dotyk.rectangle([2 * k, 1], [2 * k + 1, 2], cells=[3, 2]), young=1000, poisson=0.0) for k in range(3)
+    ]
+    for block in blocks:
+        block.fix("left", x=0).load("top", pressure=1.0)
+    m.contact("c", bodies=[*blocks, base], reach=0.25)
+    m.probe("first", quantity="c-base-b0.resultant.y")
+    m.probe("none", quantity="c-b0-b2.resultant.y")
+    check = m.check()
+    assert list(check.contacts) == ["c-base-b0", "c-base-b1", "c-base-b2"] and check.notes == []
+    s = m.solve()
+    assert list(s.contacts) == list(check.contacts)
+    for contact in s.contacts.values():
+        assert np.allclose(contact.resultant, [0, -1], atol=1e-9)
+    assert s.probe("first") == pytest.approx(-1.0) and np.isnan(s.probe("none"))
+    assert any('"none"' in warning for warning in s.warnings)
+    with pytest.raises(dotyk.InputError, match="nearest"):
+        m.contact("d", bodies=[blocks[0], "b1"])
+    written = dotyk.Model("plane-strain")
+    written.body("base", dotyk.rectangle([0, 0], [6, 1], cells=[12, 2]), young=1000, poisson=0.0).fix("bottom", x=0, y=0)
+    written.body("top", dotyk.rectangle([0, 1], [6, 2], cells=[5, 2]), young=1000, poisson=0.0)
+    written.contact("all", bodies="all").contact("w", sides=["base.left", "top.left"])
+    assert list(written.check().contacts) == ["w"] and "left to contact" in written.check().notes[0]
+
+
+def test_tools_are_drawn_by_arrays():
+    m = dotyk.Model("plane-strain")
+    m.body("block", dotyk.rectangle([0, 0], [4, 2], cells=[7, 4], cell="quad9"), young=1000, poisson=0.3).fix("bottom", y=0).fix(
+        point=[0, 0], x=0
+    )
+    outline = np.array([[-1.0, 2.0], [1.3, 2.0], [5.0, 2.0]])
+    m.contact("tool", nonmortar="block.top", obstacle={"outline": outline, "force": [0, -40]})
+    s = m.solve()
+    assert np.allclose(s.contacts["tool"].pressure, 10, rtol=1e-8)

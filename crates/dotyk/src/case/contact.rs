@@ -1,7 +1,7 @@
 //! `[[contact]]` of a case file.
 
 use crate::case::body::joined;
-use crate::case::document::{Entry, Node, Span, Table, Value, name, zero};
+use crate::case::document::{Entry, Node, Span, Table, Value, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::mesh_file::MeshFiles;
@@ -32,6 +32,8 @@ pub(crate) struct Contacts<const D: usize> {
     pub sought: Vec<Sought>,
     /// What `check` tells of them, in words.
     pub notes: Vec<String>,
+    /// What every command tells.
+    pub warnings: Vec<String>,
     /// Name of each found contact, and the place of the table that it comes from.
     pub places: Vec<(String, Span)>,
 }
@@ -93,6 +95,7 @@ pub(crate) fn contacts<const D: usize>(
         list: Vec::new(),
         sought: Vec::new(),
         notes: Vec::new(),
+        warnings: Vec::new(),
         places: Vec::new(),
     };
     let mut before: Vec<Contact<D>> = Vec::new();
@@ -120,6 +123,7 @@ pub(crate) fn contacts<const D: usize>(
                     name: sought.name,
                 });
                 all.notes.extend(found.left);
+                all.warnings.extend(found.warnings);
             }
         }
     }
@@ -235,6 +239,15 @@ fn contact<const D: usize>(
     let pair = pair(table, &name, bodies, files)?;
     let law = law(table, &name)?;
     let pairing = pairing(table)?;
+    if let (Some(entry), Some(Pairing::NodeToNode)) = (table.entry("pairing"), pairing)
+        && let Pair::Obstacle { obstacle, .. } = &pair
+        && matches!(obstacle.shape, Rigid::Tool(_))
+    {
+        let message = format!("contact `{name}` has a tool, whose corners lie between the nodes");
+        return Err(Fault::new(&entry.node.span, message)
+            .label("not node to node")
+            .help("leave it out: a tool is paired by its facets"));
+    }
     if let (Some(entry), Pair::Obstacle { .. }) = (table.entry("reach"), &pair) {
         let message = format!("contact `{name}` has an obstacle, and no `reach`");
         return Err(Fault::new(&entry.key_span, message)
@@ -474,6 +487,9 @@ fn obstacle<const D: usize>(
     files: &mut MeshFiles,
 ) -> Result<Obstacle<D>, Fault> {
     let table = node.table(keys::OBSTACLE)?;
+    if let Some(entry) = table.entry("turn") {
+        return Err(later(&entry.key_span, "`turn` of an obstacle"));
+    }
     let tools = ["outline", "stl"];
     let shapes = shapes::<D>().chain([tools[D - 2], "gap"]);
     let all = keys::SURFACE.iter().copied().chain(tools).chain(["gap"]);

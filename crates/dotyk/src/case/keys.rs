@@ -252,6 +252,7 @@ pub const OBSTACLE: &[&str] = &[
     "gap",
     "displacement",
     "force",
+    "turn",
     "plane",
     "circle",
     "sphere",

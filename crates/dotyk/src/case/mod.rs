@@ -88,6 +88,8 @@ struct Aside {
     sought: Vec<Sought>,
     /// Pairs of bodies that are left to written contacts, in words.
     notes: Vec<String>,
+    /// Pairs of bodies that overlap too much, in words.
+    warnings: Vec<String>,
     /// Where the tables of those that were found stand.
     places: Vec<(String, Span)>,
 }
@@ -196,6 +198,7 @@ where
     let mut warnings = files.warnings();
     warnings.extend(initial::along_profiles(&source.document));
     warnings.extend(idle(&unused));
+    warnings.extend(aside.warnings.iter().cloned());
     warnings.extend(without_contact(&model));
     let found = aside.places.iter();
     let found = found.map(|(name, span)| (Subject::Contact(name.clone()), span.clone()));
@@ -480,6 +483,7 @@ where
     let aside = Aside {
         sought: found.sought,
         notes: found.notes,
+        warnings: found.warnings,
         places: found.places,
     };
     Ok((model, aside))

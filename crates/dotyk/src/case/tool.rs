@@ -68,11 +68,17 @@ fn triangles<const D: usize>(
         triangles,
         contradictions,
         thin,
+        repeated,
     } = read;
     if contradictions > 0 {
         files.warn(format!(
             "STL file {path}: {contradictions} of {} stored normals contradict the order of the corners, which counts",
             triangles.len() + thin
+        ));
+    }
+    if repeated > 0 {
+        files.warn(format!(
+            "STL file {path}: {repeated} triangles are there more than once, and count once"
         ));
     }
     if thin > 0 {

@@ -122,6 +122,12 @@ pub enum ContactError {
         /// A length.
         reach: f64,
     },
+    /// Another body stands between two sides.
+    #[error("between {} and {} stands another body wherever they face each other", .sides[0], .sides[1])]
+    Hidden {
+        /// The sides.
+        sides: [String; 2],
+    },
     /// A side is in front of the back of a tool.
     #[error(
         "all facets of {tool} turn their backs to {side}: outward is where one sees the corners of a triangle counter-clockwise, or the right of the way along an outline; turn them round"

@@ -4,6 +4,8 @@
 //! overlap, meets within `reach` a facet there with an opposed normal, and passes through neither of the two bodies (`search.rs`) nor,
 //! where it is open, a third one. What it meets faces it, too: a large facet may be seen by a small one alone.
 //!
+//! Distances are those of the curves that polygons stand for: what polygons miss of them does not count.
+//!
 //! Without a `reach` the distance is at most a tenth of the diagonal of the smaller body's box, and half of the smallest thickness that
 //! either body has behind the facets which face each other within that: of two surfaces of a thin plate the near one counts.
 
@@ -13,7 +15,8 @@ use crate::contact::{ContactError, End};
 use crate::geometry::{Point, add_scaled, bounding_box, distance, norm, unit};
 use crate::mesh::{Facet, Mesh, Skin};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 
 /// The default of `reach`, in parts of the diagonal of the smaller body's box.
@@ -33,6 +36,8 @@ struct Outer<'a, const D: usize> {
     screen: OnceLock<Arc<Screen<'a, D>>>,
     boundary: Arc<Boundary<'a, D>>,
     bounds: [Point<D>; 2],
+    /// What facets miss of the curve that they stand for, where that is not zero; made on first use.
+    bows: OnceLock<BTreeMap<Facet, f64>>,
 }
 
 impl<'a, const D: usize> Outer<'a, D> {
@@ -40,10 +45,11 @@ impl<'a, const D: usize> Outer<'a, D> {
         let (low, high) = bounding_box(mesh.points());
         Self {
             mesh,
-            facets,
             screen: OnceLock::new(),
             boundary: Arc::new(Boundary::of(mesh)),
             bounds: [low, high],
+            bows: OnceLock::new(),
+            facets,
         }
     }
 
@@ -51,6 +57,18 @@ impl<'a, const D: usize> Outer<'a, D> {
     fn is_near(&self, [low, high]: [Point<D>; 2], length: f64) -> bool {
         let [own_low, own_high] = self.bounds;
         (0..D).all(|d| low[d] <= own_high[d] + length && high[d] >= own_low[d] - length)
+    }
+
+    fn bows(&self) -> &BTreeMap<Facet, f64> {
+        self.bows.get_or_init(|| bows(self.mesh, &self.facets))
+    }
+
+    fn bow(&self, facet: Facet) -> f64 {
+        self.bows().get(&facet).copied().unwrap_or(0.0)
+    }
+
+    fn most_bow(&self) -> f64 {
+        self.bows().values().copied().fold(0.0, f64::max)
     }
 
     fn diagonal(&self) -> f64 {
@@ -66,17 +84,37 @@ impl<'a, const D: usize> Outer<'a, D> {
         let sight = |&facet: &Facet| {
             let points: Vec<Point<D>> = self.mesh.facet_points(facet).collect();
             let (low, high) = bounding_box(&points);
-            if !other.is_near([low, high], reach) {
+            if !other.is_near([low, high], reach + self.bow(facet) + other.most_bow()) {
                 return None;
             }
             let rounding = NEAR * self.mesh.facet_length(facet);
             let hit = first_seen(self.mesh, facet, &search, |line, hit| {
-                hit.distance.abs() <= reach
+                hit.distance.abs() <= reach + self.bow(facet) + other.bow(hit.facet)
                     && !others.iter().any(|o| o.hides(line, hit.distance, rounding))
             })?;
             Some([facet, hit.facet])
         };
         self.facets.par_iter().filter_map(sight).collect()
+    }
+
+    /// Its facets that see another side, but for one of `others` between.
+    fn hidden_from(&self, other: &Self, others: &[&Self]) -> BTreeSet<Facet> {
+        let screen = other
+            .screen
+            .get_or_init(|| Arc::new(Screen::new(other.mesh, &other.facets)));
+        let search = SideSearch::from_to(&self.boundary, &other.boundary, screen);
+        let hidden = |&facet: &Facet| {
+            let rounding = NEAR * self.mesh.facet_length(facet);
+            let covered = Cell::new(false);
+            let free = first_seen(self.mesh, facet, &search, |line, hit| {
+                let hides = others.iter().any(|o| o.hides(line, hit.distance, rounding));
+                covered.set(covered.get() || hides);
+                !hides
+            });
+            (free.is_none() && covered.get()).then_some(facet)
+        };
+        let hidden: Vec<Facet> = self.facets.par_iter().filter_map(hidden).collect();
+        hidden.into_iter().collect()
     }
 
     /// Whether the way along a line to a distance passes through this body.
@@ -102,13 +140,24 @@ impl<'a, const D: usize> Outer<'a, D> {
     }
 }
 
+/// What facets miss of the curve that the surface of their mesh stands for, where that is not zero.
+fn bows<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMap<Facet, f64> {
+    let skin = Skin::of(mesh);
+    let of_facet = |&facet: &Facet| {
+        let bows = mesh.facet_nodes(facet).map(|node| skin.bow(node).off);
+        let most = bows.fold(0.0, f64::max);
+        (most > 0.0).then_some((facet, most))
+    };
+    facets.iter().filter_map(of_facet).collect()
+}
+
 /// Facets of each of two bodies that face each other within a reach; both ascending. Empty if there are none.
 fn faced<'a, const D: usize>(
     [a, b]: [&Outer<'a, D>; 2],
     reach: f64,
     others: &[&Outer<'a, D>],
 ) -> [Vec<Facet>; 2] {
-    if !a.is_near(b.bounds, reach) {
+    if !a.is_near(b.bounds, reach + a.most_bow() + b.most_bow()) {
         return [Vec::new(), Vec::new()];
     }
     let mut faced: [BTreeSet<Facet>; 2] = Default::default();
@@ -149,15 +198,17 @@ impl<'a, const D: usize> Neighbours<'a, D> {
     pub fn candidates(&self, bodies: &[usize], reach: Option<f64>) -> Vec<[usize; 2]> {
         // of two bodies one alone need be grown; either may be the smaller one
         let grown = |body: usize| reach.unwrap_or(REACH * self.0[body].diagonal());
-        let low = |body: usize| self.0[body].bounds[0][0] - grown(body);
+        let wide = |body: usize| grown(body) + 2.0 * self.0[body].most_bow();
+        let low = |body: usize| self.0[body].bounds[0][0] - wide(body);
         let mut ahead: Vec<usize> = bodies.to_vec();
         ahead.sort_by(|&a, &b| low(a).total_cmp(&low(b)));
         let mut open: Vec<usize> = Vec::new();
         let mut pairs = Vec::new();
         for body in ahead {
-            open.retain(|&other| self.0[other].bounds[1][0] + grown(other) >= low(body));
+            open.retain(|&other| self.0[other].bounds[1][0] + wide(other) >= low(body));
             let near = |&&other: &&usize| {
-                let reach = grown(body).min(grown(other));
+                let bows = self.0[body].most_bow() + self.0[other].most_bow();
+                let reach = grown(body).min(grown(other)) + bows;
                 self.0[other].is_near(self.0[body].bounds, reach)
             };
             let found = open.iter().filter(near);
@@ -195,6 +246,21 @@ impl<'a, const D: usize> Neighbours<'a, D> {
         Faced { facets, reach }
     }
 
+    /// Whether the box of a body is within a reach of those of two others.
+    pub fn is_beside(&self, body: usize, pair: [usize; 2], reach: f64) -> bool {
+        let mut pair = pair.iter().map(|&other| self.0[other].bounds);
+        pair.all(|bounds| self.0[body].is_near(bounds, reach))
+    }
+
+    /// How deep two bodies lie in each other at nodes of their surfaces; zero where their boxes do not meet.
+    pub fn depth(&self, pair: [usize; 2]) -> f64 {
+        let [a, b] = pair.map(|body| &self.0[body]);
+        match a.is_near(b.bounds, 0.0) {
+            true => pair_depth([a.mesh, b.mesh]),
+            false => 0.0,
+        }
+    }
+
     /// The nearest two of some pairs of bodies, and the distance of their surfaces at nodes; zero where a node of one lies in the other.
     pub fn nearest(&self, pairs: &[[usize; 2]]) -> Option<([usize; 2], f64)> {
         let apart = |[a, b]: [usize; 2]| {
@@ -220,36 +286,79 @@ impl<'a, const D: usize> Neighbours<'a, D> {
     }
 }
 
-/// The smallest distance of a node on the surface of either mesh from the surface of the other.
-fn pair_distance<const D: usize>(meshes: [&Mesh<D>; 2]) -> f64 {
-    let skins = meshes.map(Skin::of);
-    let everywhere = ([f64::NEG_INFINITY; D], [f64::INFINITY; D]);
-    let smallest = |k: usize| {
-        let other = skins[1 - k].at(meshes[1 - k].points(), everywhere);
-        let nodes = skins[k].nodes().iter();
-        let depths = nodes.filter_map(|&node| other.depth(meshes[k].points()[node as usize]));
-        depths
-            .map(|(depth, _)| (-depth).max(0.0))
-            .fold(f64::INFINITY, f64::min)
-    };
-    smallest(0).min(smallest(1))
+/// How deep a node on the surface of one of two meshes lies in the other, at most; zero where they do not overlap there.
+fn pair_depth<const D: usize>(meshes: [&Mesh<D>; 2]) -> f64 {
+    depths(meshes).fold(0.0, f64::max)
 }
 
-/// The facets of two sides that face each other within a reach.
+/// The smallest distance of a node on the surface of either mesh from the surface of the other.
+fn pair_distance<const D: usize>(meshes: [&Mesh<D>; 2]) -> f64 {
+    let apart = depths(meshes).map(|depth| (-depth).max(0.0));
+    apart.fold(f64::INFINITY, f64::min)
+}
+
+/// Depths of the nodes on the surface of either of two meshes in the other one, negative outside.
+fn depths<'a, const D: usize>(meshes: [&'a Mesh<D>; 2]) -> impl Iterator<Item = f64> + 'a {
+    let everywhere = ([f64::NEG_INFINITY; D], [f64::INFINITY; D]);
+    [[0, 1], [1, 0]].into_iter().flat_map(move |[own, other]| {
+        let surface = Skin::of(meshes[other]).at(meshes[other].points(), everywhere);
+        let nodes = Skin::of(meshes[own]).nodes().to_vec();
+        let points = meshes[own].points();
+        let depth = move |node: u32| surface.depth(points[node as usize]);
+        nodes.into_iter().filter_map(depth).map(|(depth, _)| depth)
+    })
+}
+
+/// The facets of two sides that take part in their contact: those that face each other within a reach, if there is one, and
+/// no facet that another body hides from the other side. `None`: all of them.
 ///
-/// Errors: an unknown or empty side; sides no facets of which face each other within the reach.
-pub fn within_reach<'a, const D: usize>(
+/// Errors: an unknown or empty side; sides no facets of which face each other within the reach, or all of which are hidden.
+pub fn taking_part<'a, const D: usize>(
     ends: [End<'a, D>; 2],
-    reach: f64,
-) -> Result<[Vec<Facet>; 2], ContactError> {
+    reach: Option<f64>,
+    others: impl Iterator<Item = (&'a str, &'a Mesh<D>)>,
+) -> Result<Option<[Vec<Facet>; 2]>, ContactError> {
     let outer = |end: End<'a, D>| Ok(Outer::of(&end.body.mesh, end.facets()?.to_vec()));
-    let [a, b] = [outer(ends[0])?, outer(ends[1])?];
-    let facets = faced([&a, &b], reach, &[]);
-    match facets[0].is_empty() {
-        true => Err(ContactError::BeyondReach {
+    let pair = [outer(ends[0])?, outer(ends[1])?];
+    let corners = pair.each_ref().map(|side| {
+        let facets = side.facets.iter();
+        let points = facets.flat_map(|&facet| side.mesh.facet_points(facet));
+        bounding_box(&points.collect::<Vec<Point<D>>>())
+    });
+    let (low, high) = bounding_box(&[corners[0].0, corners[0].1, corners[1].0, corners[1].1]);
+    let others: Vec<(&str, Outer<'a, D>)> = others
+        .map(|(name, mesh)| (name, Outer::of(mesh, Vec::new())))
+        .filter(|(_, other)| other.is_near([low, high], 0.0))
+        .collect();
+    let between: Vec<&Outer<'a, D>> = others.iter().map(|(_, other)| other).collect();
+    let [a, b] = &pair;
+    if let Some(reach) = reach {
+        let facets = faced([a, b], reach, &between);
+        return match facets[0].is_empty() {
+            true => Err(ContactError::BeyondReach {
+                sides: ends.map(|end| end.name()),
+                reach,
+            }),
+            false => Ok(Some(facets)),
+        };
+    }
+    if between.is_empty() {
+        return Ok(None);
+    }
+    let hidden = [a.hidden_from(b, &between), b.hidden_from(a, &between)];
+    if hidden.iter().all(BTreeSet::is_empty) {
+        return Ok(None);
+    }
+    let left = [0, 1].map(|k| {
+        let facets = pair[k].facets.iter().copied();
+        facets
+            .filter(|facet| !hidden[k].contains(facet))
+            .collect::<Vec<Facet>>()
+    });
+    match faced([a, b], f64::INFINITY, &between)[0].is_empty() || left.iter().any(Vec::is_empty) {
+        true => Err(ContactError::Hidden {
             sides: ends.map(|end| end.name()),
-            reach,
         }),
-        false => Ok(facets),
+        false => Ok(Some(left)),
     }
 }

@@ -283,16 +283,20 @@ impl<'a, const D: usize> Boundary<'a, D> {
     }
 
     /// Whether a line is inside of the body somewhere between its start and a distance: it enters before that, or leaves after the
-    /// start. Only the surface itself at either end, within `rounding`, is not inside.
+    /// start, or its middle is inside, where both ends are. Only the surface itself at either end, within `rounding`, is not inside.
     pub fn is_between(&self, line: Line<D>, distance: f64, rounding: f64) -> bool {
-        let way = [-rounding, distance + rounding];
-        let met = self
-            .screen()
-            .meets(line, way, |cosine| cosine.abs() > ALONG);
-        met.iter().any(|(hit, cosine)| match *cosine < 0.0 {
+        let met = |way: [f64; 2]| {
+            self.screen()
+                .meets(line, way, |cosine| cosine.abs() > ALONG)
+        };
+        let through = met([-rounding, distance + rounding]);
+        let crosses = through.iter().any(|(hit, cosine)| match *cosine < 0.0 {
             true => hit.distance <= distance - rounding,
             false => hit.distance >= rounding,
-        })
+        });
+        let ahead = || met([0.5 * distance, f64::INFINITY]).into_iter();
+        let next = || ahead().min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+        crosses || next().is_some_and(|(_, cosine)| cosine > 0.0)
     }
 
     /// How thick the body is behind a point of its surface, against this outward normal.

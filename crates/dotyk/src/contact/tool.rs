@@ -9,6 +9,7 @@ use crate::contact::{ContactError, Driven, End, Interface, Row};
 use crate::fem::{Body, Constraints, Held};
 use crate::geometry::{Point, Surface, add_scaled, unit};
 use crate::mesh::{Facet, Mesh, MeshError, Skin, Surrounding};
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -17,6 +18,9 @@ const SIDE: &str = "surface";
 
 /// A line that meets a facet with a cosine above this comes from behind it.
 const BEHIND: f64 = 0.1;
+
+/// What a line meets this part of a facet behind its start is in front of it.
+const NEAR: f64 = 1e-6;
 
 /// The surface of a rigid tool.
 #[derive(Debug)]
@@ -85,18 +89,8 @@ impl<const D: usize> Tool<D> {
 
     /// Distance of a point, negative behind the surface; beyond the end of an open one positive.
     pub fn distance(&self, point: Point<D>) -> f64 {
-        let (depth, _) = self
-            .near()
-            .depth(point)
-            .unwrap_or((f64::NEG_INFINITY, [0; D]));
-        match depth > 0.0
-            && self
-                .skin
-                .is_open_at(self.mesh().points(), self.closest(point))
-        {
-            true => depth,
-            false => -depth,
-        }
+        let found = self.near().depth(point);
+        found.map_or(f64::INFINITY, |(depth, _)| -depth)
     }
 
     /// The nearest point of the surface.
@@ -111,28 +105,37 @@ impl<const D: usize> Tool<D> {
             .and_then(|(_, normal)| unit(normal))
     }
 
-    /// Errors: lines from the facets of a side meet the tool, and all from behind.
+    /// Errors: lines from the facets of a side meet the tool in front of it, and all of them its back first.
     pub fn check_turned(&self, end: End<'_, D>) -> Result<(), ContactError> {
         let screen = Screen::new(self.mesh(), &self.mesh().boundary_facets());
         let mesh = &end.body.mesh;
-        let met = |&facet: &Facet| {
+        let meets_back = |&facet: &Facet| {
             let centre = mesh.facet_kind(facet).domain().centre();
             let direction = unit(mesh.outward_normal(facet, &centre))?;
             let start = mesh.facet_point(facet, &centre);
-            let line = Line { start, direction };
             let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
-            (!screen
-                .meets(line, everywhere, |cosine| cosine > BEHIND)
-                .is_empty())
-            .then_some(())
+            let met = screen.meets(Line { start, direction }, everywhere, |cosine| {
+                cosine.abs() > BEHIND
+            });
+            let first = met
+                .into_iter()
+                .min_by(|a, b| a.0.distance.abs().total_cmp(&b.0.distance.abs()));
+            let rounding = NEAR * mesh.facet_length(facet);
+            first.map(|(hit, cosine)| cosine > 0.0 && hit.distance >= -rounding)
         };
-        match end.facets()?.iter().find_map(met) {
-            None => Ok(()),
-            Some(()) => Err(ContactError::Turned {
+        let met: Vec<bool> = end.facets()?.par_iter().filter_map(meets_back).collect();
+        match !met.is_empty() && met.iter().all(|&back| back) {
+            false => Ok(()),
+            true => Err(ContactError::Turned {
                 tool: self.body.name.clone(),
                 side: end.name(),
             }),
         }
+    }
+
+    /// Its surface as simplices.
+    pub(crate) fn skin(&self) -> &Skin<D> {
+        &self.skin
     }
 }
 

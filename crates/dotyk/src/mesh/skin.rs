@@ -174,16 +174,6 @@ impl<const D: usize> Skin<D> {
         edges.any(|edge| distance(x, on_segment(edge, x)) <= reach)
     }
 
-    /// Whether a point of the surface lies on its end.
-    pub fn is_open_at(&self, points: &[Point<D>], x: Point<D>) -> bool {
-        let ends = self
-            .open
-            .iter()
-            .map(|ends| ends.map(|node| points[node as usize]));
-        let mut ends = ends.map(|edge| (distance(x, on_segment(edge, x)), edge));
-        ends.any(|(off, edge)| off <= MEETING * (distance(edge[0], edge[1]) + norm(x)))
-    }
-
     fn simplex(&self, index: usize, points: &[Point<D>]) -> Simplex<D> {
         let nodes = self.simplices[index];
         Simplex {
@@ -206,7 +196,7 @@ impl<const D: usize> Skin<D> {
         let from: BTreeSet<usize> = from.map(|k| groups.first(k)).collect();
         let goes_on = all.filter(|&index| from.contains(&groups.first(index)));
         let simplices = goes_on.map(|index| self.simplex(index, points));
-        Surrounding(RTree::bulk_load(simplices.collect()))
+        Surrounding::of(simplices.collect())
     }
 
     /// The place of one of its nodes among them.
@@ -234,7 +224,14 @@ impl<const D: usize> Skin<D> {
         let near = AABB::from_corners(low, high);
         let simplices = (0..self.simplices.len()).map(|index| self.simplex(index, points));
         let meets = |simplex: &Simplex<D>| rstar::Envelope::intersects(&simplex.envelope(), &near);
-        Surrounding(RTree::bulk_load(simplices.filter(meets).collect()))
+        let ends = self
+            .open
+            .iter()
+            .map(|ends| ends.map(|node| points[node as usize]));
+        Surrounding {
+            ends: ends.collect(),
+            ..Surrounding::of(simplices.filter(meets).collect())
+        }
     }
 }
 
@@ -270,36 +267,55 @@ fn divided(kind: CellKind) -> &'static [[usize; 3]] {
 
 /// A part of a surface, somewhere.
 #[derive(Debug)]
-pub(crate) struct Surrounding<const D: usize>(RTree<Simplex<D>>);
+pub(crate) struct Surrounding<const D: usize> {
+    simplices: RTree<Simplex<D>>,
+    /// Where an open surface ends.
+    ends: Vec<[Point<D>; 2]>,
+}
 
 impl<const D: usize> Surrounding<D> {
-    /// Depth of a point inside of the surface, negative outside; and the nodes of the nearest simplex. `None` if no part of the surface
+    fn of(simplices: Vec<Simplex<D>>) -> Self {
+        Self {
+            simplices: RTree::bulk_load(simplices),
+            ends: Vec::new(),
+        }
+    }
+
+    /// Whether a point of the surface lies on its end.
+    fn is_end(&self, x: Point<D>) -> bool {
+        self.ends.iter().any(|&edge| {
+            let size = distance(edge[0], edge[1]) + norm(x);
+            distance(x, on_segment(edge, x)) <= MEETING * size
+        })
+    }
+
+    /// Depth of a point inside of the surface, negative outside and beyond the end of an open one; and the nodes of the nearest simplex. `None` if no part of the surface
     /// lies in the box.
     pub fn depth(&self, p: Point<D>) -> Option<(f64, [u32; D])> {
-        let nearest = self.0.nearest_neighbor(p)?;
+        let nearest = self.simplices.nearest_neighbor(p)?;
         let at = nearest.closest(p);
         let length = distance(p, at);
         let reach = length + MEETING * (length + nearest.size());
-        let around = self.0.locate_within_distance(p, reach * reach);
+        let around = self.simplices.locate_within_distance(p, reach * reach);
         let meets = |other: &&Simplex<D>| {
             distance(other.closest(p), at) <= MEETING * (nearest.size() + other.size())
         };
         let outward = around
             .filter(meets)
             .fold([0.0; D], |sum, s| add_scaled(sum, s.angle(at), s.normal()));
-        let outside = dot(sub(p, at), outward) >= 0.0;
+        let outside = dot(sub(p, at), outward) >= 0.0 || self.is_end(at);
         Some((if outside { -length } else { length }, nearest.nodes))
     }
 
     /// The point of the surface nearest to another one, and the normal of its simplex outwards; `None` for an empty surface.
     pub fn closest(&self, p: Point<D>) -> Option<(Point<D>, Point<D>)> {
-        let nearest = self.0.nearest_neighbor(p)?;
+        let nearest = self.simplices.nearest_neighbor(p)?;
         Some((nearest.closest(p), nearest.normal()))
     }
 
     /// The distance of a point from the surface; infinite for an empty surface.
     pub fn distance(&self, p: Point<D>) -> f64 {
-        let nearest = self.0.nearest_neighbor(p);
+        let nearest = self.simplices.nearest_neighbor(p);
         nearest.map_or(f64::INFINITY, |simplex| distance(p, simplex.closest(p)))
     }
 
@@ -307,7 +323,7 @@ impl<const D: usize> Surrounding<D> {
     pub fn crossings(&self, way: [Point<D>; 2]) -> Vec<f64> {
         let (low, high) = bounding_box(&way);
         let near = AABB::from_corners(low, high);
-        let near = self.0.locate_in_envelope_intersecting(near);
+        let near = self.simplices.locate_in_envelope_intersecting(near);
         let mut at: Vec<f64> = near.filter_map(|s| s.crossed(way)).collect();
         at.sort_unstable_by(f64::total_cmp);
         at

@@ -6,7 +6,7 @@
 use crate::dual::Figure;
 use crate::model::{
     BodySolution, ContactNode, ContactSolution, CoupleSolution, Intrusion, LinePoint,
-    MemberSolution, Seconds, SectionQuantity, SectionSolution, Solution, Status,
+    MemberSolution, Seconds, SectionQuantity, SectionSolution, SideRef, Solution, Status,
 };
 use crate::output::Overview;
 use crate::output::text::{Labels, THIN};
@@ -79,6 +79,7 @@ fn step_summary<'a, const D: usize>(
     let stage = run.stages.get(index).map_or(run.model, |stage| stage);
     let bodies = stage.bodies.iter().zip(&solution.bodies);
     let probes = solution.probes.iter();
+    let contacts = solution.contacts.iter();
     Summary {
         case: run.stem,
         version: VERSION,
@@ -100,7 +101,9 @@ fn step_summary<'a, const D: usize>(
             bodies: [&found.body, &found.other],
             at: &found.point,
         }),
-        contacts: solution.contacts.iter().map(contact_entry).collect(),
+        contacts: contacts
+            .map(|contact| contact_entry(solution, contact))
+            .collect(),
         bodies: bodies
             .map(|(body, answer)| {
                 let cells = body.mesh.blocks().iter().map(|b| b.cells().len()).sum();
@@ -316,6 +319,9 @@ struct OverlapEntry<'a> {
 #[derive(Clone, Serialize)]
 struct ContactEntry<'a> {
     name: &'a str,
+    /// "BODY.SIDE" with the multipliers, and opposite: a side, or "obstacle".
+    nonmortar: String,
+    mortar: String,
     resultant: &'a [f64],
     /// About the origin; in space.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -331,12 +337,18 @@ struct ContactEntry<'a> {
     dissipated_work: f64,
 }
 
-fn contact_entry<const D: usize>(contact: &ContactSolution<D>) -> ContactEntry<'_> {
+fn contact_entry<'a, const D: usize>(
+    solution: &'a Solution<D>,
+    contact: &'a ContactSolution<D>,
+) -> ContactEntry<'a> {
+    let name = |side: &SideRef| format!("{}.{}", solution.bodies[side.body.0].name, side.side);
     let (closed, open) = closed_and_open(&contact.nodes);
     let pressed = contact.nodes.iter().filter(|n| !n.pressure.is_nan());
     let hardest = pressed.reduce(|most, n| if n.pressure > most.pressure { n } else { most });
     ContactEntry {
         name: &contact.name,
+        nonmortar: name(&contact.nonmortar),
+        mortar: contact.mortar.as_ref().map_or("obstacle".to_string(), name),
         resultant: &contact.resultant,
         moment: (D == 3).then_some(&contact.moment[..]),
         closed,

@@ -385,7 +385,7 @@ fn pairs_are_named_in_the_order_of_the_case() {
 #[test]
 fn a_probe_of_a_pair_that_was_not_found_is_nan_with_a_warning() {
     let text = format!(
-        "{PILE}[[probe]]\nname = \"far\"\nquantity = \"c-plate-two.resultant.y\"\n[[probe]]\nname = \"near\"\nquantity = \"c-plate-one.resultant.y\"\n[[probe]]\nname = \"deep\"\nquantity = \"c-plate-two.pressure\"\nreduce = \"max\"\n"
+        "{PILE}[[probe]]\nname = \"far\"\nquantity = \"c-plate-two.resultant.y\"\n[[probe]]\nname = \"near\"\nquantity = \"c-plate-one.resultant.y\"\n[[probe]]\nname = \"deep\"\nquantity = \"c-plate-two.pressure\"\nat = [4.5, 1.8]\n"
     );
     let case = read(&text);
     assert_eq!(case.warnings.len(), 2, "{:?}", case.warnings);
@@ -556,4 +556,122 @@ reach = 0.5
     let far = solution.contacts[0].nodes.iter().map(|node| node.point[0]);
     let far = far.fold(0.0, f64::max);
     assert!(1.8 < far && far < 2.6, "{far}");
+}
+
+/// Three bodies, one above the other, of which the middle one is named `p`.
+const LAYERS: &str = r#"
+analysis = "plane-strain"
+[[body]]
+name = "a"
+mesh = { rectangle = { from = [0, 0], to = [4, 1], cells = [3, 1] } }
+material = { young = 1e5, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[body]]
+name = "p"
+mesh = { rectangle = { from = [0, 1], to = [4, 1.05], cells = [5, 1] } }
+material = { young = 1e5, poisson = 0.3 }
+fix = [{ side = "left", x = 0 }]
+[[body]]
+name = "b"
+mesh = { rectangle = { from = [0, 1.05], to = [4, 2], cells = [3, 2] } }
+material = { young = 1e5, poisson = 0.3 }
+load = [{ side = "top", pressure = 10 }]
+fix = [{ side = "left", x = 0 }]
+"#;
+
+#[test]
+fn a_written_contact_has_nothing_through_a_third_body() {
+    let contact = |name: &str, sides: &str| {
+        format!("[[contact]]\nname = \"{name}\"\nsides = {sides}\ntied = true\n")
+    };
+    let [lower, upper] = [
+        contact("lower", "[\"a.top\", \"p.bottom\"]"),
+        contact("upper", "[\"p.top\", \"b.bottom\"]"),
+    ];
+    let through = contact("through", "[\"a.top\", \"b.bottom\"]");
+    let error = read(&format!("{LAYERS}{lower}{upper}{through}"));
+    let error = error.model.solve().unwrap_err().to_string();
+    assert!(error.contains("another body"), "{error}");
+    // what lies beside the middle one is not hidden
+    let part = LAYERS.replace(
+        "to = [4, 1.05], cells = [5, 1]",
+        "to = [2.7, 1.05], cells = [5, 1]",
+    );
+    let beside = read(&format!("{part}{lower}{upper}{through}"))
+        .model
+        .solve()
+        .unwrap();
+    let nodes = &beside.contacts[2].nodes;
+    let taken = nodes
+        .iter()
+        .filter(|node| node.gap.is_finite())
+        .map(|node| node.point[0]);
+    assert!(taken.fold(f64::INFINITY, f64::min) > 2.6);
+}
+
+#[test]
+fn a_pair_is_there_when_what_hides_it_has_gone() {
+    let found = "[[contact]]\nname = \"c\"\nbodies = \"all\"\ntied = true\n";
+    let steps = "[[step]]\ntime = 1\n[[step]]\ntime = 2\n[[step]]\ntime = 3\n";
+    let gone = LAYERS.replace("name = \"p\"", "name = \"p\"\nactive = { until = 2 }");
+    let case = read(&format!("{gone}{found}{steps}"));
+    let through = case
+        .model
+        .contacts
+        .iter()
+        .find(|c| c.name == "c-a-b")
+        .unwrap();
+    assert!(!through.active.at(1.0) && through.active.at(2.0) && through.active.at(3.0));
+}
+
+#[test]
+fn curved_bodies_do_not_see_each_other_through_a_ring_between() {
+    let ring = |name: &str, inner: f64, outer: f64, around: usize| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ ring = {{ inner = {inner}, outer = {outer}, cells = [{around}, 2] }} }}\nmaterial = {{ young = 1000, poisson = 0.3 }}\n"
+        )
+    };
+    let head = "analysis = \"plane-strain\"\n";
+    let found = "[[contact]]\nname = \"c\"\nbodies = \"all\"\ntied = true\n";
+    for thin in [2.02, 2.2] {
+        for cells in [[24, 40, 30], [96, 160, 120], [30, 24, 40], [8, 9, 10]] {
+            let rings = [
+                ring("shaft", 0.5, 2.0, cells[0]),
+                ring("sleeve", 2.0, thin, cells[1]),
+                ring("hub", thin, 3.0, cells[2]),
+            ];
+            let case = read(&format!("{head}{}{found}", rings.concat()));
+            assert_eq!(
+                names(&case.model),
+                ["c-shaft-sleeve", "c-sleeve-hub"],
+                "{thin} {cells:?}"
+            );
+            // all of the surfaces that truly touch take part
+            for contact in &case.model.contacts {
+                for side in contact.pair.sides() {
+                    let mesh = &case.model.bodies[side.body.0].mesh;
+                    let whole = ["inner", "outer"].map(|name| mesh.side(name).unwrap());
+                    assert!(
+                        whole.contains(&mesh.side(&side.side).unwrap()),
+                        "{thin} {cells:?} {side:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bodies_that_overlap_by_more_than_the_reach_are_told() {
+    let sunk = PILE.replace(
+        "from = [4, 1], to = [5, 1.8]",
+        "from = [4, 0.4], to = [5, 1.2]",
+    );
+    let case = read(&sunk);
+    let told = case
+        .warnings
+        .iter()
+        .any(|w| w.contains("overlap at first by 6.0000e-1"));
+    assert!(told, "{:?}", case.warnings);
+    assert!(!names(&case.model).contains(&"c-base-two"));
 }

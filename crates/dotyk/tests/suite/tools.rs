@@ -341,6 +341,60 @@ fn what_is_no_tool_is_told() {
     assert!(turned.contains("backs"), "{turned}");
 }
 
+#[test]
+fn a_tool_that_sinks_where_nothing_holds_it_is_seen() {
+    // beyond the named side: its nose ends in the body
+    let beside = block(
+        "outline = [[2, 3], [2, 2], [4.2, 2], [4.2, 1.5], [5, 1.5], [5, 3], [2, 3]], displacement = [\"-0.25*(t-1)\", -0.001]",
+        "",
+    );
+    let error = plane_error(&beside);
+    assert!(error.contains("overlap"), "{error}");
+    // a tip between the corners of facets of space
+    let [tip, rim] = [[0.45, 0.4, 1.0], [2.0, 2.0, 2.0]];
+    let corners = [
+        [-1.0, -1.0, 2.0],
+        [rim[0], -1.0, 2.0],
+        rim,
+        [-1.0, rim[1], 2.0],
+    ];
+    let mut text = "solid tip\n".to_string();
+    for k in 0..4 {
+        let triangle = [tip, corners[(k + 1) % 4], corners[k]];
+        text += "facet normal 0 0 0\nouter loop\n";
+        for [x, y, z] in triangle {
+            text += &format!("vertex {x} {y} {z}\n");
+        }
+        text += "endloop\nendfacet\n";
+    }
+    text += "endsolid\n";
+    let at = folder("tip", &[("tool.stl", text.as_bytes())]);
+    let solved = read::<3>(CUBE, &at).model.solve();
+    match solved {
+        // pressed as deep as it went, but for the dent between nodes
+        Ok(solution) => assert!(
+            solution.contacts[0].resultant[2] < -0.1,
+            "{:?}",
+            solution.contacts[0].resultant
+        ),
+        Err(error) => assert!(error.to_string().contains("overlap"), "{error}"),
+    }
+}
+
+#[test]
+fn a_flat_tool_curves_nowhere() {
+    let flat = block(
+        "outline = [[-1, 2], [0.7, 2], [2.61, 2], [6, 2]], displacement = [\"0.02*(t-1)\", -0.01]",
+        "friction = 0.2",
+    );
+    let solution = plane(&flat).remove(1);
+    assert!(
+        !solution.warnings.iter().any(|w| w.contains("curves away")),
+        "{:?}",
+        solution.warnings
+    );
+}
+
 fn plane_error(text: &str) -> String {
     let case = read::<2>(text, Path::new("."));
     case.model.solve().unwrap_err().to_string()

@@ -1,7 +1,7 @@
 //! STL files, binary and text: triangles whose corners turn outwards. Stored normals are ignored; those that contradict are counted.
 
 use crate::geometry::{Point, cross, distance, dot, norm, sub};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Triangles that are thinner than this part of their length have no normal, and are left out.
 const THIN: f64 = 1e-9;
@@ -21,6 +21,8 @@ pub(crate) struct Triangles {
     pub contradictions: usize,
     /// Triangles without an area.
     pub thin: usize,
+    /// Triangles that were there before.
+    pub repeated: usize,
 }
 
 /// Why a file is no surface.
@@ -55,12 +57,14 @@ pub(crate) enum StlError {
 impl Triangles {
     /// The triangles of a file.
     pub fn read(bytes: &[u8]) -> Result<Self, StlError> {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let told = bytes
             .get(HEAD - 4..HEAD)
             .and_then(|four| four.try_into().ok());
         let told = told.map(|four| u32::from_le_bytes(four) as usize);
         let length = told.map(|count| HEAD + TRIANGLE * count);
-        let is_text = bytes.trim_ascii_start().starts_with(b"solid");
+        let word = bytes.trim_ascii_start().get(..5);
+        let is_text = word.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
         let corners = match length {
             Some(length) if bytes.len() == length => binary(&bytes[HEAD..])?,
             _ if is_text => text(bytes)?,
@@ -80,6 +84,7 @@ impl Triangles {
     fn of(all: &[[Point<3>; 4]]) -> Result<Self, StlError> {
         let mut surface = Self::default();
         let mut places: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+        let mut seen: BTreeSet<[u32; 3]> = BTreeSet::new();
         for [normal, corners @ ..] in all {
             let own = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
             let length = (0..3).map(|k| distance(corners[k], corners[(k + 1) % 3]));
@@ -100,7 +105,11 @@ impl Triangles {
                     surface.points.len() as u32 - 1
                 })
             });
-            surface.triangles.push(place);
+            let first = (0..3).min_by_key(|&k| place[k]).unwrap_or_default();
+            match seen.insert([0, 1, 2].map(|k| place[(first + k) % 3])) {
+                true => surface.triangles.push(place),
+                false => surface.repeated += 1,
+            }
         }
         match surface.triangles.is_empty() {
             true => Err(StlError::Empty),
@@ -284,6 +293,11 @@ mod tests {
         ];
         let read = Triangles::read(&of_binary(&[one, flat])).unwrap();
         assert_eq!((read.triangles.len(), read.thin), (1, 1));
+        let turned = [one[0], one[2], one[3], one[1]];
+        let read = Triangles::read(&of_binary(&[one, turned])).unwrap();
+        assert_eq!((read.triangles.len(), read.repeated), (1, 1));
+        let marked = [b"\xef\xbb\xbf".as_slice(), TEXT.to_uppercase().as_bytes()].concat();
+        assert_eq!(Triangles::read(&marked).unwrap().triangles.len(), 2);
         assert_eq!(Triangles::read(&of_binary(&[])), Err(StlError::Empty));
         assert_eq!(Triangles::read(&of_binary(&[flat])), Err(StlError::Empty));
     }

@@ -42,7 +42,7 @@ pub(crate) fn find<const D: usize>(
         let candidates = neighbours.candidates(&sorted, finding.reach);
         let look = |&pair: &[usize; 2]| look(finding, bodies, &neighbours, pair);
         let seen: Vec<Seen> = candidates.par_iter().filter_map(look).collect();
-        if seen.is_empty() {
+        if seen.iter().all(|seen| seen.faced.facets[0].is_empty()) {
             let every = sorted.iter().enumerate();
             let every = every.flat_map(|(k, &a)| sorted[k + 1..].iter().map(move |&b| [a, b]));
             let open = every.filter(|&pair| {
@@ -64,14 +64,26 @@ pub(crate) fn find<const D: usize>(
     let mut result = Found {
         contacts: Vec::new(),
         left: Vec::new(),
+        warnings: Vec::new(),
     };
-    for Seen { pair, faced } in seen {
+    for Seen {
+        pair,
+        faced,
+        active,
+        deep,
+    } in seen
+    {
         let names = pair.map(|body| bodies[body].name.clone());
         if let Some(contact) = contacts_of(written, pair).next() {
             let others = contacts_of(written, pair);
             result
                 .left
                 .extend(left(bodies, (pair, &faced), contact, others));
+        } else if faced.facets[0].is_empty() {
+            result.warnings.push(format!(
+                "contact \"{}\": bodies \"{}\" and \"{}\" overlap at first by {:.4e}, which is more than `reach` ({:.4e}): nothing was found between them; give a larger one",
+                finding.name, names[0], names[1], deep, faced.reach
+            ));
         } else if let Some(first) = contacts_of(found, pair).next() {
             return Err(FindingError::Twice {
                 second: finding.name.clone(),
@@ -105,7 +117,7 @@ pub(crate) fn find<const D: usize>(
                 reach: None,
                 exclude: Vec::new(),
                 friction_exclude: Vec::new(),
-                active: finding.active,
+                active,
             });
         }
     }
@@ -116,6 +128,10 @@ pub(crate) fn find<const D: usize>(
 struct Seen {
     pair: [usize; 2],
     faced: Faced,
+    /// When the contact is there.
+    active: Active,
+    /// How deep the bodies lie in each other, where nothing faces each other within the reach.
+    deep: f64,
 }
 
 /// The bodies in the order of the model.
@@ -160,8 +176,8 @@ fn together<const D: usize>(
     (from < until).then_some(Active { from, until })
 }
 
-/// What of two bodies faces each other, if something does; others hide what lies behind them if they are there all the time that the two
-/// are.
+/// What of two bodies faces each other, if something does, or how deep they lie in each other. Others hide what lies behind them if they
+/// are there all the time that the two are; if they hide everything and come or go, the contact is there when they are not.
 fn look<const D: usize>(
     finding: &Finding,
     bodies: &[Body<D>],
@@ -169,13 +185,44 @@ fn look<const D: usize>(
     pair: [usize; 2],
 ) -> Option<Seen> {
     let both = together(finding, bodies, pair)?;
-    let stands = |other: &usize| {
+    let others = (0..bodies.len()).filter(|other| !pair.contains(other));
+    let meets = |other: &usize| bodies[*other].active.meets(both);
+    let stays = |other: &usize| {
         let active = bodies[*other].active;
-        !pair.contains(other) && active.from <= both.from && active.until >= both.until
+        active.from <= both.from && active.until >= both.until
     };
-    let between: Vec<usize> = (0..bodies.len()).filter(stands).collect();
-    let faced = neighbours.faced(pair, finding.reach, &between);
-    (!faced.facets[0].is_empty()).then_some(Seen { pair, faced })
+    let (staying, passing): (Vec<usize>, Vec<usize>) = others.filter(meets).partition(stays);
+    let faced = neighbours.faced(pair, finding.reach, &staying);
+    if faced.facets[0].is_empty() {
+        let deep = neighbours.depth(pair);
+        let active = finding.active;
+        return (deep > faced.reach).then_some(Seen {
+            pair,
+            faced,
+            active,
+            deep,
+        });
+    }
+    let hides = |other: &usize| {
+        let between: Vec<usize> = staying.iter().copied().chain([*other]).collect();
+        let left = neighbours.faced(pair, Some(faced.reach), &between);
+        left.facets[0].is_empty()
+    };
+    let mut active = finding.active;
+    let beside = |other: &usize| neighbours.is_beside(*other, pair, faced.reach);
+    for other in passing.into_iter().filter(beside).filter(hides) {
+        let there = bodies[other].active;
+        match there.from <= both.from {
+            true => active.from = active.from.max(there.until),
+            false => active.until = active.until.min(there.from),
+        }
+    }
+    (active.from < active.until).then_some(Seen {
+        pair,
+        faced,
+        active,
+        deep: 0.0,
+    })
 }
 
 /// The contacts between two bodies.

@@ -26,11 +26,12 @@
 //! Bodies that meet only at edges have no sides there that a contact could name: such an overlap is as narrow as the motion, and is
 //! ignored as long as the motion is small beside the facets.
 //!
-//! An obstacle exists only for the side that its contact names: a plane may represent a punch. Only nodes can overlap it: the
+//! An obstacle exists only for the body whose side its contact names: a plane may represent a punch. A tool of facets is looked at as a
+//! body that moves as a whole, with its corners in the body and the body's nodes in it. In planes and round obstacles only nodes can overlap it: the
 //! second term does not count. Of the first a tenth counts where each node has a condition of its own, and zero where a node of the
 //! side has no condition. The turn of the obstacle's normal along the motion is added.
 
-use crate::contact::{Moved, Role};
+use crate::contact::{Moved, Rigid, Role, Tool};
 use crate::dual::{BETWEEN_LIMIT, ROUNDING};
 use crate::geometry::{Point, add_scaled, bounding_box, distance, norm, sub};
 use crate::mesh::{Bow, Skin, Surrounding};
@@ -82,17 +83,44 @@ pub(crate) fn intrusions<const D: usize>(
             &lambda[rows],
         )
     });
-    let known: Vec<Named<'_, D>> = known.collect();
+    let mut known: Vec<Named<'_, D>> = known.collect();
     let bodies = model.bodies.iter().zip(skins).zip(&displaced.states);
     let bodies = bodies
         .map(|((body, skin), state)| Solid::new(&body.name, body.mesh.points(), skin, &state.u));
-    let bodies: Vec<Solid<'_, D>> = bodies.collect();
+    let mut bodies: Vec<Solid<'_, D>> = bodies.collect();
     let count = bodies.len();
+    for (contact, own) in model.contacts.iter().zip(&mut known) {
+        if let Some(tool) = tool_of(contact) {
+            own.bodies.1 = Some(bodies.len());
+            let moved = vec![own.moved.obstacle; tool.mesh().points().len()];
+            let points = tool.mesh().points();
+            bodies.push(Solid::placed(
+                &contact.name,
+                points,
+                tool.skin(),
+                Cow::Owned(moved),
+            ));
+        }
+    }
+    let with_tools = known.iter().flat_map(|own| match own.bodies {
+        (body, Some(other)) if other >= count => vec![(body, other), (other, body)],
+        _ => Vec::new(),
+    });
+    let with_tools: Vec<(usize, usize)> = with_tools.collect();
     let pairs = (0..count).flat_map(|a| (0..count).map(move |b| (a, b)));
+    let pairs = pairs.chain(with_tools);
     let near = |&(a, b): &(usize, usize)| a != b && bodies[a].meets(&bodies[b]);
     let pairs: Vec<(usize, usize)> = pairs.filter(near).collect();
     let between = pairs.into_par_iter().filter_map(|(a, b)| {
         let found = in_body(&bodies, &known, (a, b))?;
+        if a.max(b) >= count {
+            return Some(Intrusion {
+                body: bodies[a.min(b)].name.to_string(),
+                other: bodies[a.max(b)].name.to_string(),
+                obstacle: true,
+                ..found
+            });
+        }
         let waits = stage.waits([a, b]).filter(|_| !found.named);
         let waits = waits.map(str::to_string);
         Some(Intrusion { waits, ..found })
@@ -102,6 +130,17 @@ pub(crate) fn intrusions<const D: usize>(
     let obstacles = obstacles
         .filter_map(|(contact, own)| in_obstacle(&contact.pair, own, &bodies[own.bodies.0]));
     deepest.into_iter().chain(obstacles).collect()
+}
+
+/// The tool of facets of a contact.
+fn tool_of<const D: usize>(contact: &Contact<D>) -> Option<&Tool<D>> {
+    match &contact.pair {
+        Pair::Obstacle { obstacle, .. } => match &obstacle.shape {
+            Rigid::Tool(tool) => Some(tool),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 /// A contact, and the resolution of its meshes.
@@ -506,6 +545,9 @@ fn in_obstacle<const D: usize>(
     let Pair::Obstacle { obstacle, .. } = pair else {
         return None;
     };
+    if let Rigid::Tool(_) = obstacle.shape {
+        return None;
+    }
     let rounding = COORDINATE * extent(&[body.bounds]);
     let depth = |x: Point<D>| obstacle.shape.distance(x).map(|out| -out);
     let found = body.skin.nodes().iter().filter_map(|&node| {

@@ -40,6 +40,8 @@ pub struct Found<const D: usize> {
     pub contacts: Vec<Contact<D>>,
     /// Pairs of bodies that were left to a written contact, in words.
     pub left: Vec<String>,
+    /// Bodies that overlap at first by more than the reach, so that nothing was found between them, in words.
+    pub warnings: Vec<String>,
 }
 
 /// Why contacts cannot be found.

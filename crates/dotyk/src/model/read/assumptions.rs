@@ -150,7 +150,9 @@ fn along_a_curve<const D: usize>(of: &Contact<D>, contact: &ContactSolution<D>) 
             let out = |part: f64| tool.distance(add_scaled(node.point, part, node.slip));
             // along its facet it does not curve
             let along = tool.normal(node.point).map_or(0.0, |n| dot(n, node.slip));
-            (norm(node.slip), (out(1.0) - out(0.0) - along).abs())
+            let away = out(1.0) - out(0.0) - along;
+            let rounding = AWAY_ROUNDING * (norm(node.point) + norm(node.slip));
+            (norm(node.slip), if away > rounding { away } else { 0.0 })
         }
     };
     let closed = contact
@@ -223,6 +225,9 @@ fn met_elsewhere<const D: usize>(
         )
     })
 }
+
+/// What a tool curves away along a slip below this part of the coordinates is rounding.
+const AWAY_ROUNDING: f64 = 1e-12;
 
 /// Overlaps below this part of the motion of an obstacle are rounding.
 const DRIVE_ROUNDING: f64 = 1e-9;

@@ -111,6 +111,9 @@ fn site<const D: usize>(
     probe: &Probe<D>,
 ) -> Result<Site<D>, ProbeError<D>> {
     let nowhere = Site::default();
+    if probe.quantity.is_absent() {
+        return Ok(nowhere);
+    }
     if let Reading::Coupled(_) = probe.reading {
         let couple = probe.coupled(model).ok_or(ProbeError::NoPlace);
         return couple.map(|_| nowhere);

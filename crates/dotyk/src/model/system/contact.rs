@@ -3,7 +3,7 @@
 use crate::contact::{
     Against, ContactError, Corners, Coupling, Driven, End, GapPoint, InitialGap, Interface, Role,
     Sample, corners_above, facets_coincide, missed_by_nodes, pair_mortar, pair_nodes,
-    pair_obstacle, samples, smooth_parts, unmatched_facing, within_reach,
+    pair_obstacle, samples, smooth_parts, taking_part, unmatched_facing,
 };
 use crate::fem::{Constraints, Place, Short, describe, show};
 use crate::geometry::Field;
@@ -232,16 +232,20 @@ impl<'a, const D: usize> Contacting<'a, D> {
         }
     }
 
-    /// The facets of a side and of its mortar side that face each other within the reach of the contact, if it has one.
+    /// The facets of a side and of its mortar side that take part, where these are not all.
     fn near(
         &self,
         end: End<'_, D>,
         opposite: &Counterpart<'a, D>,
     ) -> Result<Option<[Vec<Facet>; 2]>, ContactError> {
-        let (Some(reach), Counterpart::Side(mortar)) = (self.contact.reach, opposite) else {
+        let Counterpart::Side(mortar) = opposite else {
             return Ok(None);
         };
-        within_reach([end, self.end(mortar)], reach).map(Some)
+        let ends = [end, self.end(mortar)];
+        let bodies = self.model.bodies.iter();
+        let others = bodies.filter(|body| ends.iter().all(|end| end.body.name != body.name));
+        let others = others.map(|body| (body.name.as_str(), &*body.mesh));
+        taking_part(ends, self.contact.reach, others)
     }
 
     /// Evaluates a sampled gap at all places where it is needed: a trial pairing with a recording field finds them.
@@ -354,9 +358,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
         let samples = self.samples(end, against, InitialGap::Measured);
         let obstacle_motion = obstacle_motion(self.contact, self.time)?;
         let interface = interface.map_err(|source| self.fail(source))?;
-        if let Rigid::Tool(tool) = &obstacle.shape
-            && interface.nodes.iter().all(|node| node.gap.is_nan())
-        {
+        if let Rigid::Tool(tool) = &obstacle.shape {
             tool.check_turned(end).map_err(|source| self.fail(source))?;
         }
         Ok(Condition {
