@@ -371,11 +371,15 @@ fn a_tool_that_sinks_where_nothing_holds_it_is_seen() {
     let at = folder("tip", &[("tool.stl", text.as_bytes())]);
     let solved = read::<3>(CUBE, &at).model.solve();
     match solved {
-        // pressed as deep as it went, but for the dent between nodes
+        // pressed, or told that nothing sees it
         Ok(solution) => assert!(
-            solution.contacts[0].resultant[2] < -0.1,
+            solution.contacts[0].resultant[2] < -0.1
+                || solution
+                    .warnings
+                    .iter()
+                    .any(|w| w.contains("too large to see the contact")),
             "{:?}",
-            solution.contacts[0].resultant
+            solution.warnings
         ),
         Err(error) => assert!(error.to_string().contains("overlap"), "{error}"),
     }

@@ -101,7 +101,7 @@ pub(crate) fn finish<const D: usize>(
             show(point)
         ));
     }
-    for (contact, blur) in blurred(model, condensed, &judged.displaced, lambda) {
+    for (contact, blur) in blurred(model, condensed, &judged, lambda) {
         let name = &model.contacts[contact].name;
         let told = match blur {
             Blur::Apart(gap) => format!(

@@ -313,9 +313,16 @@ pub(crate) enum Blur {
 pub(crate) fn blurred<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    displaced: &Displaced<D>,
+    judged: &Judged<D>,
     lambda: &[f64],
 ) -> Vec<(usize, Blur)> {
+    let displaced = &judged.displaced;
+    // a tip of a tool may lie between all points that are looked at
+    let unborne = |contact: usize| {
+        let found = judged.intrusion.iter().filter(|found| found.obstacle);
+        let mut found = found.filter(|found| found.other == model.contacts[contact].name);
+        found.next().map_or(0.0, |found| found.depth)
+    };
     let largest = |lambda: &[f64]| lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
     let whole = largest(lambda);
     let (none, some) = (NO_FORCE * whole, model.solver.tolerance * whole);
@@ -334,6 +341,9 @@ pub(crate) fn blurred<const D: usize>(
         let blur = match nearest {
             Some(gap) if force > some && gap > rounding => Some(Blur::Apart(gap)),
             Some(gap) if force <= none && gap < -rounding => Some(Blur::Unborne(-gap)),
+            _ if force <= none && unborne(contact) > rounding => {
+                Some(Blur::Unborne(unborne(contact)))
+            }
             _ => {
                 let deep = sunk(condition, &moved).filter(|depth| *depth > rounding);
                 deep.map(Blur::Sunk)
