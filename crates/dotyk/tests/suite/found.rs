@@ -188,11 +188,11 @@ fn open_window<const D: usize>(
         parts = parts.iter().flat_map(split).collect();
     }
     let hidden = |middle: &[f64]| {
-        let inside = |brick: &&Brick<D>| {
+        let inside = |brick: &Brick<D>| {
             let mut places = across.iter().zip(middle);
             places.all(|(&d, &m)| brick.low[d] < m && m < brick.high[d])
         };
-        between.iter().any(|brick| inside(&brick))
+        between.iter().any(|brick| inside(brick))
     };
     let open = parts.iter().filter(|(middle, _)| !hidden(middle));
     open.map(|(_, size)| size).sum()
@@ -205,10 +205,8 @@ fn looks<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> (Brick<D>, (usize, boo
         high: [f64::NEG_INFINITY; D],
     };
     for point in mesh.facet_points(facet) {
-        for d in 0..D {
-            bounds.low[d] = bounds.low[d].min(point[d]);
-            bounds.high[d] = bounds.high[d].max(point[d]);
-        }
+        bounds.low = std::array::from_fn(|d| bounds.low[d].min(point[d]));
+        bounds.high = std::array::from_fn(|d| bounds.high[d].max(point[d]));
     }
     let normal = mesh.outward_normal(facet, &[0.3, 0.3]);
     let axis = (0..D).find(|&d| normal[d].abs() > 1e-9).unwrap();

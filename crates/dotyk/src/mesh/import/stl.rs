@@ -89,8 +89,8 @@ impl Triangles {
             let own = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
             let length = (0..3).map(|k| distance(corners[k], corners[(k + 1) % 3]));
             let length = length.fold(0.0, f64::max);
-            // not greater, so that not-a-number counts, too
-            if !(norm(own) > THIN * length * length) {
+            let area = norm(own);
+            if area.is_nan() || area <= THIN * length * length {
                 surface.thin += 1;
                 continue;
             }
