@@ -629,7 +629,8 @@ def test_contacts_are_found_between_bodies():
     assert list(s.contacts) == list(check.contacts)
     for contact in s.contacts.values():
         assert np.allclose(contact.resultant, [0, -1], atol=1e-9)
-    assert s.probe("first") == pytest.approx(-1.0) and np.isnan(s.probe("none"))
+    assert s.probes["first"] == pytest.approx(-1.0) and np.isnan(s.probes["none"])
+    assert s.probe("c-base-b1.resultant.y") == pytest.approx(-1.0) and np.isnan(s.probe("c-b0-b2.resultant.y"))
     assert any('"none"' in warning for warning in s.warnings)
     with pytest.raises(dotyk.InputError, match="nearest"):
         m.contact("d", bodies=[blocks[0], "b1"])
