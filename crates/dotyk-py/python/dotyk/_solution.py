@@ -190,6 +190,10 @@ class ContactSolution(_Frozen):
     """
 
     name: str
+    #: "BODY.SIDE" that carries the multipliers.
+    nonmortar: str
+    #: "BODY.SIDE" opposite, or "obstacle".
+    mortar: str
     #: Force ON the nonmortar body.
     resultant: list[float]
     closed: int
