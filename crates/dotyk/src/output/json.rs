@@ -763,6 +763,7 @@ mod tests {
                 "length",
                 "max_pressure",
                 "max_pressure_at",
+                "mortar",
                 "max_penetration",
                 "imbalance",
                 "dissipated_work",
@@ -772,6 +773,7 @@ mod tests {
             keys(&value["bodies"][0]),
             sorted([
                 "name",
+                "nonmortar",
                 "nodes",
                 "cells",
                 "dofs",
