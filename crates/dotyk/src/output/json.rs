@@ -763,6 +763,7 @@ mod tests {
                 "length",
                 "max_pressure",
                 "max_pressure_at",
+                "nonmortar",
                 "mortar",
                 "max_penetration",
                 "imbalance",
@@ -773,7 +774,6 @@ mod tests {
             keys(&value["bodies"][0]),
             sorted([
                 "name",
-                "nonmortar",
                 "nodes",
                 "cells",
                 "dofs",
