@@ -28,11 +28,18 @@ const PAIRINGS: [(&str, Pairing); 2] = [
 pub(crate) struct Contacts<const D: usize> {
     /// Written and found ones, in the order of the case.
     pub list: Vec<Contact<D>>,
-    /// Between which bodies contacts were sought.
+    /// What is known of the search.
+    pub aside: Aside,
+}
+
+/// What is known of contacts that were to be found, beside those that were.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Aside {
+    /// Between which bodies they were sought.
     pub sought: Vec<Sought>,
-    /// What `check` tells of them, in words.
+    /// What `check` tells: pairs of bodies that are left to written contacts.
     pub notes: Vec<String>,
-    /// What every command tells.
+    /// What every command tells: pairs of bodies that overlap too much.
     pub warnings: Vec<String>,
     /// Name of each found contact, and the place of the table that it comes from.
     pub places: Vec<(String, Span)>,
@@ -91,17 +98,11 @@ pub(crate) fn contacts<const D: usize>(
         Read::Sought(_) => None,
     });
     let written: Vec<Contact<D>> = written.collect();
-    let mut all = Contacts {
-        list: Vec::new(),
-        sought: Vec::new(),
-        notes: Vec::new(),
-        warnings: Vec::new(),
-        places: Vec::new(),
-    };
+    let (mut list, mut aside) = (Vec::new(), Aside::default());
     let mut before: Vec<Contact<D>> = Vec::new();
     for (table, node) in tables.into_iter().zip(nodes) {
         match table {
-            Read::Written(contact) => all.list.push(*contact),
+            Read::Written(contact) => list.push(*contact),
             Read::Sought(sought) => {
                 let span = node
                     .table(keys::CONTACT)?
@@ -111,10 +112,10 @@ pub(crate) fn contacts<const D: usize>(
                 let found = find(&sought, bodies, (&written, &before));
                 let found = found.map_err(|error| not_found(node, &error))?;
                 let names = found.contacts.iter().map(|contact| contact.name.clone());
-                all.places.extend(names.map(|name| (name, span.clone())));
+                aside.places.extend(names.map(|name| (name, span.clone())));
                 before.extend(found.contacts.iter().cloned());
-                all.list.extend(found.contacts);
-                all.sought.push(Sought {
+                list.extend(found.contacts);
+                aside.sought.push(Sought {
                     bodies: sought
                         .bodies
                         .iter()
@@ -122,12 +123,12 @@ pub(crate) fn contacts<const D: usize>(
                         .collect(),
                     name: sought.name,
                 });
-                all.notes.extend(found.left);
-                all.warnings.extend(found.warnings);
+                aside.notes.extend(found.left);
+                aside.warnings.extend(found.warnings);
             }
         }
     }
-    Ok(all)
+    Ok(Contacts { list, aside })
 }
 
 /// Contacts that are to be found between bodies.

@@ -39,7 +39,7 @@ pub use run::{Failure, Run};
 pub use source::AnyCase;
 pub use suggest::nearest;
 
-use crate::case::contact::{Contacts, Sought};
+use crate::case::contact::Aside;
 use crate::case::document::{Node, Span, Value, coordinates, later};
 use crate::case::error::{Fault, read_text};
 use crate::case::mesh::Generated;
@@ -55,6 +55,7 @@ use crate::model::{
     SolverOptions, Study, Subject, Units, Varied, check_file_names,
 };
 use crate::solve::ContactSolver;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -79,19 +80,6 @@ pub struct Case<const D: usize> {
     /// Where the names of bodies and contacts stand, and where probes are read.
     places: Vec<(Subject, Span)>,
     aside: Aside,
-}
-
-/// What is known of contacts that were to be found, beside those that were.
-#[derive(Debug, Clone, Default)]
-struct Aside {
-    /// Between which bodies they were sought.
-    sought: Vec<Sought>,
-    /// Pairs of bodies that are left to written contacts, in words.
-    notes: Vec<String>,
-    /// Pairs of bodies that overlap too much, in words.
-    warnings: Vec<String>,
-    /// Where the tables of those that were found stand.
-    places: Vec<(String, Span)>,
 }
 
 /// As in [`Model`]: generic code is compiled here, once for each dimension.
@@ -433,7 +421,7 @@ where
     own_regions(&files.used, &bodies)?;
 
     let found = contact::contacts(contacts, &mut bodies, &steps, files)?;
-    names_of_found(&found, &named)?;
+    names_of_found(&found.aside.places, &named)?;
 
     let sections = sections.iter();
     let sections = sections.map(|node| section::section(node, &mut bodies));
@@ -450,7 +438,7 @@ where
     let probes = probes.iter();
     let owners = Owners {
         contacts: &found.list,
-        sought: &found.sought,
+        sought: &found.aside.sought,
         sections: &sections,
         members: &members,
     };
@@ -480,13 +468,7 @@ where
             return Err(members::fault(&error, node, member));
         }
     }
-    let aside = Aside {
-        sought: found.sought,
-        notes: found.notes,
-        warnings: found.warnings,
-        places: found.places,
-    };
-    Ok((model, aside))
+    Ok((model, found.aside))
 }
 
 /// Refuses two bodies of one region at the same time.
@@ -578,27 +560,24 @@ fn own_names(lists: &[(&[Node], [&str; 2])]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Refuses a contact that was found under the name of another part.
-fn names_of_found<const D: usize>(
-    found: &Contacts<D>,
-    lists: &[(&[Node], [&str; 2])],
-) -> Result<(), Fault> {
-    for (k, (name, span)) in found.places.iter().enumerate() {
-        let tables = lists.iter().flat_map(|(list, _)| list.iter());
-        let mut names = tables.filter_map(|node| {
-            let entry = node.entries().ok()?.iter().find(|e| e.key == "name")?;
-            entry.node.text().ok()
-        });
-        let before = found.places[..k].iter().any(|(other, _)| other == name);
-        if before || names.any(|other| other == name) {
+/// Refuses a contact that was found under the name of another part; `found` are names with the places of their tables.
+fn names_of_found(found: &[(String, Span)], lists: &[(&[Node], [&str; 2])]) -> Result<(), Fault> {
+    let tables = lists.iter().flat_map(|(list, _)| list.iter());
+    let named = tables.filter_map(|node| {
+        let entry = node.entries().ok()?.iter().find(|e| e.key == "name")?;
+        entry.node.text().ok()
+    });
+    let mut names: BTreeSet<&str> = named.collect();
+    match found.iter().find(|(name, _)| !names.insert(name)) {
+        None => Ok(()),
+        Some((name, span)) => {
             let message =
                 format!("a contact that was found would be the second part with the name `{name}`");
-            return Err(Fault::new(span, message)
+            Err(Fault::new(span, message)
                 .label("its first part")
-                .help("give one of the two another name"));
+                .help("give one of the two another name"))
         }
     }
-    Ok(())
 }
 
 /// Refuses bodies whose names cannot be those of result files.

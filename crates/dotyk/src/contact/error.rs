@@ -123,10 +123,15 @@ pub enum ContactError {
         reach: f64,
     },
     /// Another body stands between two sides.
-    #[error("between {} and {} stands another body wherever they face each other", .sides[0], .sides[1])]
+    #[error(
+        "between {} and {} another body stands wherever they face each other, {by}: a contact does not act through a body; name what each of them touches, or give the body between `active`",
+        .sides[0], .sides[1]
+    )]
     Hidden {
         /// The sides.
         sides: [String; 2],
+        /// Names of the bodies between.
+        by: String,
     },
     /// A side is in front of the back of a tool.
     #[error(

@@ -10,7 +10,7 @@
 //! either body has behind the facets which face each other within that: of two surfaces of a thin plate the near one counts.
 
 use crate::contact::facing::first_seen;
-use crate::contact::search::{Boundary, Line, Screen, SideSearch};
+use crate::contact::search::{Boundary, Line, NEAR, Screen, SideSearch};
 use crate::contact::{ContactError, End};
 use crate::geometry::{Point, add_scaled, bounding_box, distance, norm, unit};
 use crate::mesh::{Facet, Mesh, Skin};
@@ -25,8 +25,25 @@ const REACH: f64 = 0.1;
 /// `reach` is at most this part of the thickness behind a facet.
 const THICKNESS: f64 = 0.5;
 
-/// Boundaries nearer than this part of a facet to the ends of a way do not count as passed.
-const NEAR: f64 = 1e-6;
+/// What facets miss of the curve that the surface of their mesh stands for: those that miss something, and the most.
+struct Bows {
+    of: BTreeMap<Facet, f64>,
+    most: f64,
+}
+
+impl Bows {
+    fn new<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> Self {
+        let skin = Skin::of(mesh);
+        let of_facet = |&facet: &Facet| {
+            let bows = mesh.facet_nodes(facet).map(|node| skin.bow(node).off);
+            let most = bows.fold(0.0, f64::max);
+            (most > 0.0).then_some((facet, most))
+        };
+        let of: BTreeMap<Facet, f64> = facets.iter().filter_map(of_facet).collect();
+        let most = of.values().copied().fold(0.0, f64::max);
+        Self { of, most }
+    }
+}
 
 /// The outer surface of a body, or some facets of it that may face others.
 struct Outer<'a, const D: usize> {
@@ -36,18 +53,17 @@ struct Outer<'a, const D: usize> {
     screen: OnceLock<Arc<Screen<'a, D>>>,
     boundary: Arc<Boundary<'a, D>>,
     bounds: [Point<D>; 2],
-    /// What facets miss of the curve that they stand for, where that is not zero; made on first use.
-    bows: OnceLock<BTreeMap<Facet, f64>>,
+    /// Made on first use.
+    bows: OnceLock<Bows>,
 }
 
 impl<'a, const D: usize> Outer<'a, D> {
     fn of(mesh: &'a Mesh<D>, facets: Vec<Facet>) -> Self {
-        let (low, high) = bounding_box(mesh.points());
         Self {
             mesh,
             screen: OnceLock::new(),
             boundary: Arc::new(Boundary::of(mesh)),
-            bounds: [low, high],
+            bounds: mesh.bounds(),
             bows: OnceLock::new(),
             facets,
         }
@@ -59,28 +75,32 @@ impl<'a, const D: usize> Outer<'a, D> {
         (0..D).all(|d| low[d] <= own_high[d] + length && high[d] >= own_low[d] - length)
     }
 
-    fn bows(&self) -> &BTreeMap<Facet, f64> {
-        self.bows.get_or_init(|| bows(self.mesh, &self.facets))
+    fn bows(&self) -> &Bows {
+        self.bows.get_or_init(|| Bows::new(self.mesh, &self.facets))
     }
 
     fn bow(&self, facet: Facet) -> f64 {
-        self.bows().get(&facet).copied().unwrap_or(0.0)
+        self.bows().of.get(&facet).copied().unwrap_or(0.0)
     }
 
     fn most_bow(&self) -> f64 {
-        self.bows().values().copied().fold(0.0, f64::max)
+        self.bows().most
     }
 
     fn diagonal(&self) -> f64 {
         distance(self.bounds[0], self.bounds[1])
     }
 
+    /// The search from here for the facets of another one.
+    fn search_of(&self, other: &Self) -> SideSearch<'a, D> {
+        let screen = || Arc::new(Screen::new(other.mesh, &other.facets));
+        let screen = other.screen.get_or_init(screen);
+        SideSearch::from_to(&self.boundary, &other.boundary, screen)
+    }
+
     /// Pairs of its facets and facets of another body that face each other within a reach, found from here.
     fn sights(&self, other: &Self, reach: f64, others: &[&Self]) -> Vec<[Facet; 2]> {
-        let screen = other
-            .screen
-            .get_or_init(|| Arc::new(Screen::new(other.mesh, &other.facets)));
-        let search = SideSearch::from_to(&self.boundary, &other.boundary, screen);
+        let search = self.search_of(other);
         let sight = |&facet: &Facet| {
             let points: Vec<Point<D>> = self.mesh.facet_points(facet).collect();
             let (low, high) = bounding_box(&points);
@@ -99,10 +119,7 @@ impl<'a, const D: usize> Outer<'a, D> {
 
     /// Its facets that see another side, but for one of `others` between.
     fn hidden_from(&self, other: &Self, others: &[&Self]) -> BTreeSet<Facet> {
-        let screen = other
-            .screen
-            .get_or_init(|| Arc::new(Screen::new(other.mesh, &other.facets)));
-        let search = SideSearch::from_to(&self.boundary, &other.boundary, screen);
+        let search = self.search_of(other);
         let hidden = |&facet: &Facet| {
             let rounding = NEAR * self.mesh.facet_length(facet);
             let covered = Cell::new(false);
@@ -138,17 +155,6 @@ impl<'a, const D: usize> Outer<'a, D> {
         let all: Vec<f64> = facets.par_iter().filter_map(behind).collect();
         all.into_iter().fold(f64::INFINITY, f64::min)
     }
-}
-
-/// What facets miss of the curve that the surface of their mesh stands for, where that is not zero.
-fn bows<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMap<Facet, f64> {
-    let skin = Skin::of(mesh);
-    let of_facet = |&facet: &Facet| {
-        let bows = mesh.facet_nodes(facet).map(|node| skin.bow(node).off);
-        let most = bows.fold(0.0, f64::max);
-        (most > 0.0).then_some((facet, most))
-    };
-    facets.iter().filter_map(of_facet).collect()
 }
 
 /// Facets of each of two bodies that face each other within a reach; both ascending. Empty if there are none.
@@ -358,6 +364,12 @@ pub fn taking_part<'a, const D: usize>(
     match faced([a, b], f64::INFINITY, &between)[0].is_empty() || left.iter().any(Vec::is_empty) {
         true => Err(ContactError::Hidden {
             sides: ends.map(|end| end.name()),
+            by: others
+                .iter()
+                .filter(|(_, other)| !a.hidden_from(b, &[other]).is_empty())
+                .map(|(name, _)| format!("\"{name}\""))
+                .collect::<Vec<String>>()
+                .join(", "),
         }),
         false => Ok(Some(left)),
     }

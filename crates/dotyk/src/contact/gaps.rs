@@ -126,26 +126,13 @@ pub(super) mod tests {
             poisson: 0.3,
         };
         Body {
-            name: "body".to_string(),
-            mesh: mesh.into(),
             materials: vec![Material {
                 group: None,
                 elastic,
                 strength: None,
                 plastic: None,
             }],
-            thickness: 1.0,
-            body_force: std::array::from_fn(|_| Field::constant(0.0)),
-            initial: crate::fem::Initial::default(),
-            active: Default::default(),
-            release: None,
-            supports: Vec::new(),
-            springs: Vec::new(),
-            loads: Vec::new(),
-            formulation: crate::fem::Formulation::default(),
-            couples: Vec::new(),
-            surfaces: BTreeMap::new(),
-            points: BTreeMap::new(),
+            ..Body::of("body", mesh.into())
         }
     }
 

@@ -336,7 +336,7 @@ impl<'a, const D: usize> Boundary<'a, D> {
 const ALONG: f64 = 1e-6;
 
 /// Boundaries within this part of a facet from the ends of a segment do not count.
-const NEAR: f64 = 1e-6;
+pub(crate) const NEAR: f64 = 1e-6;
 
 /// An overlap that is longer along a line than this multiple of its width is resolved across the line, not along it.
 const LONGEST: f64 = 2.0;

@@ -4,7 +4,7 @@
 //! the moments that the tangential rows take over from one facet to the other vanish in the sum. Edges and corners of a tool between
 //! two nodes of a body so press where they are.
 
-use crate::contact::search::{Line, Screen};
+use crate::contact::search::{Line, NEAR, Screen};
 use crate::contact::{ContactError, Driven, End, Interface, Row};
 use crate::fem::{Body, Constraints, Held};
 use crate::geometry::{Point, Surface, add_scaled, unit};
@@ -18,9 +18,6 @@ const SIDE: &str = "surface";
 
 /// A line that meets a facet with a cosine above this comes from behind it.
 const BEHIND: f64 = 0.1;
-
-/// What a line meets this part of a facet behind its start is in front of it.
-const NEAR: f64 = 1e-6;
 
 /// The surface of a rigid tool.
 #[derive(Debug)]

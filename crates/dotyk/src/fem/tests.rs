@@ -40,26 +40,13 @@ const PLANES: [Analysis; 3] = [
 
 pub(super) fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
     Body {
-        name: "block".to_string(),
-        mesh: mesh.into(),
         materials: vec![Material {
             group: None,
             elastic: ELASTIC,
             strength: None,
             plastic: None,
         }],
-        thickness: 1.0,
-        body_force: std::array::from_fn(|_| Field::constant(0.0)),
-        initial: Initial::default(),
-        active: Active::ALWAYS,
-        release: None,
-        supports: Vec::new(),
-        springs: Vec::new(),
-        loads: Vec::new(),
-        formulation: crate::fem::Formulation::default(),
-        couples: Vec::new(),
-        surfaces: BTreeMap::new(),
-        points: BTreeMap::new(),
+        ..Body::of("block", mesh.into())
     }
 }
 

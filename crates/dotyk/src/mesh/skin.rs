@@ -289,8 +289,8 @@ impl<const D: usize> Surrounding<D> {
         })
     }
 
-    /// Depth of a point inside of the surface, negative outside and beyond the end of an open one; and the nodes of the nearest simplex. `None` if no part of the surface
-    /// lies in the box.
+    /// Depth of a point inside of the surface, negative outside and beyond the end of an open one; and the nodes of the nearest
+    /// simplex. `None` if no part of the surface lies in the box.
     pub fn depth(&self, p: Point<D>) -> Option<(f64, [u32; D])> {
         let nearest = self.simplices.nearest_neighbor(p)?;
         let at = nearest.closest(p);

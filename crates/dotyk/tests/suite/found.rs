@@ -1,7 +1,8 @@
 //! Contacts that are found between bodies: the same as written ones, nothing through a body, clear words where nothing is found.
 
+use crate::norms::difference;
 use dotyk::case::{AnyCase, Case};
-use dotyk::geometry::{Point, distance, norm};
+use dotyk::geometry::Point;
 use dotyk::mesh::{CellKind, Cuboid, Diagonals, Facet, Mesh, Rectangle};
 use dotyk::model::{
     Active, BodyId, Contact, Elastic, Finding, FindingError, Law, Model, Pair, Solution,
@@ -53,18 +54,6 @@ fn both_ways<const D: usize>(mut model: Model<D>) -> [Model<D>; 2] {
         contact.pair = Pair::Automatic(sides);
     }
     [model, found]
-}
-
-/// The largest difference of displacements of two solutions, over the largest displacement.
-fn difference<const D: usize>(a: &Solution<D>, b: &Solution<D>) -> f64 {
-    let u = |s: &Solution<D>| -> Vec<Point<D>> {
-        let bodies = s.bodies.iter();
-        bodies.flat_map(|body| body.displacement.clone()).collect()
-    };
-    let (a, b) = (u(a), u(b));
-    let off = a.iter().zip(&b).map(|(&a, &b)| distance(a, b));
-    let size = a.iter().map(|&a| norm(a)).fold(0.0, f64::max);
-    off.fold(0.0, f64::max) / size
 }
 
 fn same_as_written<const D: usize>(case: &Case<D>, solve: impl Fn(&Model<D>) -> Solution<D>) {

@@ -4,9 +4,9 @@
 #![allow(dead_code)]
 
 use dotyk::fem::quadrature::rule;
-use dotyk::geometry::Point;
+use dotyk::geometry::{Point, distance, norm};
 use dotyk::mesh::{CellKind, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
-use dotyk::model::{ContactSolution, Elastic};
+use dotyk::model::{ContactSolution, Elastic, Solution};
 
 /// Displacement [ux, uy] and strains [εxx, εyy, γxy] at a point.
 pub type Exact<'a> = &'a dyn Fn(Point<2>) -> ([f64; 2], [f64; 3]);
@@ -138,4 +138,16 @@ pub fn pressure_error(
 /// Observed order between two meshes, the finer with half the cell size.
 pub fn order(coarse: f64, fine: f64) -> f64 {
     (coarse / fine).log2()
+}
+
+/// The largest difference of displacements of two solutions, over the largest displacement.
+pub fn difference<const D: usize>(a: &Solution<D>, b: &Solution<D>) -> f64 {
+    let u = |s: &Solution<D>| -> Vec<Point<D>> {
+        let bodies = s.bodies.iter();
+        bodies.flat_map(|body| body.displacement.clone()).collect()
+    };
+    let (a, b) = (u(a), u(b));
+    let off = a.iter().zip(&b).map(|(&a, &b)| distance(a, b));
+    let size = a.iter().map(|&a| norm(a)).fold(0.0, f64::max);
+    off.fold(0.0, f64::max) / size
 }

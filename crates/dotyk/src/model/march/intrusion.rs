@@ -27,7 +27,7 @@
 //! ignored as long as the motion is small beside the facets.
 //!
 //! An obstacle exists only for the body whose side its contact names: a plane may represent a punch. A tool of facets is looked at as a
-//! body that moves as a whole, with its corners in the body and the body's nodes in it. In planes and round obstacles only nodes can overlap it: the
+//! body that moves as a whole, its corners in that body and the body's nodes in it. Only nodes can overlap other obstacles: the
 //! second term does not count. Of the first a tenth counts where each node has a condition of its own, and zero where a node of the
 //! side has no condition. The turn of the obstacle's normal along the motion is added.
 
