@@ -118,7 +118,6 @@ pub(super) mod tests {
     use crate::fem::{Analysis, Body, Constraints, Elastic, Held, Material};
     use crate::geometry::distance;
     use crate::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle, Ring};
-    use std::collections::BTreeMap;
 
     pub fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
         let elastic = Elastic {

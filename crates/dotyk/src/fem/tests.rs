@@ -8,7 +8,6 @@ use super::modes::{carried_motion, free_modes};
 use super::*;
 use crate::geometry::{Field, Point, add_scaled, dot, norm};
 use crate::mesh::{CellBlock, CellKind, Cuboid, Diagonals, Mesh, Rectangle};
-use std::collections::BTreeMap;
 
 const ELASTIC: Elastic = Elastic {
     young: 2.6,
