@@ -449,7 +449,8 @@ proptest! {
             let at_corners = moved.iter().filter(inside).map(|p| height(&top, p[0]) - p[1]);
             let sunk = at_nodes.chain(at_corners).fold(0.0, f64::max);
             let told = solution.warnings.iter().any(|w| w.contains("sunk") || w.contains("too large"));
-            prop_assert!(sunk <= 0.5 * norm(motion) || told, "{sunk} of {motion:?}: {:?}", solution.warnings);
+            // half of the motion is told, of the nearest distance, which is at least this height over the root of two
+            prop_assert!(sunk <= 0.71 * norm(motion) || told, "{sunk} of {motion:?}: {:?}", solution.warnings);
         }
     }
 }

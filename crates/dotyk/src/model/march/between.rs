@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 const ON_A_LINE: f64 = 1e-12;
 
 /// Sides that have sunk into each other by more than this part of their motion were not kept apart.
-const SUNK: f64 = 0.5;
+pub(crate) const SUNK: f64 = 0.5;
 
 /// The place where two sides overlap most beyond what their meshes can resolve.
 #[derive(Debug, Clone, Copy, PartialEq)]

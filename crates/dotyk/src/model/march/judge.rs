@@ -6,10 +6,10 @@
 
 use crate::contact::{Coupling, Row};
 use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed};
-use crate::geometry::{Point, distance, dot};
+use crate::geometry::{Point, distance, dot, norm};
 use crate::linalg::SparseVector;
 use crate::model::march::between::{
-    Overlap, held_overlap, left_overlap, smallest_gap, sunk, worst_overlap,
+    Overlap, SUNK, held_overlap, left_overlap, smallest_gap, sunk, worst_overlap,
 };
 use crate::model::march::intrusion::intrusions;
 use crate::model::march::open::open_forces;
@@ -318,7 +318,7 @@ pub(crate) fn blurred<const D: usize>(
 ) -> Vec<(usize, Blur)> {
     let displaced = &judged.displaced;
     // a tip of a tool may lie between all points that are looked at
-    let unborne = |contact: usize| {
+    let tip = |contact: usize| {
         let found = judged.intrusion.iter().filter(|found| found.obstacle);
         let mut found = found.filter(|found| found.other == model.contacts[contact].name);
         found.next().map_or(0.0, |found| found.depth)
@@ -341,11 +341,13 @@ pub(crate) fn blurred<const D: usize>(
         let blur = match nearest {
             Some(gap) if force > some && gap > rounding => Some(Blur::Apart(gap)),
             Some(gap) if force <= none && gap < -rounding => Some(Blur::Unborne(-gap)),
-            _ if force <= none && unborne(contact) > rounding => {
-                Some(Blur::Unborne(unborne(contact)))
-            }
+            _ if force <= none && tip(contact) > rounding => Some(Blur::Unborne(tip(contact))),
             _ => {
-                let deep = sunk(condition, &moved).filter(|depth| *depth > rounding);
+                let own = moved.own.iter().map(|&u| norm(u));
+                let motion = own.fold(norm(moved.obstacle), f64::max);
+                let tip = Some(tip(contact)).filter(|depth| *depth > SUNK * motion);
+                let deep = sunk(condition, &moved).into_iter().chain(tip);
+                let deep = deep.reduce(f64::max).filter(|depth| *depth > rounding);
                 deep.map(Blur::Sunk)
             }
         };
