@@ -2,7 +2,7 @@
 
 use crate::Outcome;
 use crate::failure::Failure;
-use crate::given::Given;
+use crate::given::{Given, Input, located};
 use crate::run::output_folder;
 use crate::text::{named, print};
 use dotyk::model::Check;
@@ -22,7 +22,8 @@ pub struct Arguments {
 
 /// Checks, writes the page, prints.
 pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
-    of_any!(arguments.given.read(&arguments.case)?, |case| {
+    let Input { case, deck } = arguments.given.read(&arguments.case)?;
+    of_any!(case, |case| {
         let folder = match &arguments.out {
             Some(folder) => Some(output_folder(Some(folder), &case.stem)?),
             None => None,
@@ -46,9 +47,10 @@ pub fn check(arguments: &Arguments) -> Result<Outcome, Failure> {
         print(&text)?;
         match check.errors.as_slice() {
             [] => Ok(Outcome::Done),
-            errors => Err(case
-                .error(check.subject.as_ref(), &errors.join("; "))
-                .into()),
+            errors => {
+                let error = case.error(check.subject.as_ref(), &errors.join("; "));
+                Err(located(deck.as_deref(), error).into())
+            }
         }
     })
 }

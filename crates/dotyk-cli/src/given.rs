@@ -1,11 +1,26 @@
 //! Values of parameters from the command line.
 
 use crate::failure::Failure;
-use dotyk::case::AnyCase;
+use dotyk::case::{AnyCase, CaseError};
+use dotyk_deck::Deck;
 use std::path::Path;
 
+/// A case as a command reads it: of a case file, or of a deck.
+pub struct Input {
+    pub case: AnyCase,
+    pub deck: Option<Box<Deck>>,
+}
+
+/// An error in the text of a case at the line of the deck that it was made of.
+pub fn located(deck: Option<&Deck>, error: CaseError) -> CaseError {
+    match deck {
+        Some(deck) => deck.located(error),
+        None => error,
+    }
+}
+
 /// Arguments of every command that reads one case.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct Given {
     /// Value of a parameter of the case instead of its own; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
@@ -33,13 +48,27 @@ impl Given {
         self.set.iter().any(|(known, _)| known == name)
     }
 
-    /// The case with these values.
-    pub fn read(&self, case: &Path) -> Result<AnyCase, Failure> {
+    /// The case with these values; a deck has no parameters.
+    pub fn read(&self, case: &Path) -> Result<Input, Failure> {
         for (k, (name, _)) in self.set.iter().enumerate() {
             if self.set[..k].iter().any(|(before, _)| before == name) {
                 return Err(Failure::Message(format!("--set {name} is given twice")));
             }
         }
-        Ok(AnyCase::read_with(case, &self.set)?)
+        if !dotyk_deck::is_deck(case) {
+            let case = AnyCase::read_with(case, &self.set)?;
+            return Ok(Input { case, deck: None });
+        }
+        if !self.set.is_empty() {
+            let message = "a deck has no parameters that --set could change: `dotyk import` makes a case of it";
+            return Err(Failure::of(case, message));
+        }
+        let name = case.file_name().unwrap_or_default().to_string_lossy();
+        let deck = dotyk_deck::read(case, &name).map_err(CaseError::from)?;
+        let case = deck.case()?;
+        Ok(Input {
+            case,
+            deck: Some(Box::new(deck)),
+        })
     }
 }

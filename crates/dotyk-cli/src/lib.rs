@@ -14,11 +14,13 @@ macro_rules! of_any {
 }
 
 mod book;
+mod ccx;
 mod check;
 mod compare;
 mod export;
 mod failure;
 mod given;
+mod import;
 mod keys;
 mod progress;
 mod run;
@@ -60,6 +62,8 @@ enum Command {
     Study(study::Arguments),
     /// Write the contact problem of a case, F, d, G, e, Λ and B, for solvers elsewhere
     Export(export::Arguments),
+    /// Turn a deck of Abaqus or CalculiX into a case file and a mesh
+    Import(import::Arguments),
     /// List every key of a case file
     #[command(visible_alias = "keys", after_long_help = keys::TEXT)]
     Reference,
@@ -84,10 +88,25 @@ const STACK: usize = 16 << 20;
 
 /// Runs the command with its arguments, its own name the first of them, and returns the exit status.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    on_a_large_stack(arguments, of_arguments)
+}
+
+/// The same for `dotyk-ccx`, which is called as CalculiX is.
+pub fn ccx(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    on_a_large_stack(arguments, |arguments| {
+        let parsed = ccx::Arguments::try_parse_from(arguments);
+        parsed.map_or_else(|told| status_of_parser(&told), |own| ccx::solve(&own))
+    })
+}
+
+fn on_a_large_stack(
+    arguments: impl IntoIterator<Item = OsString>,
+    command: fn(&[OsString]) -> u8,
+) -> u8 {
     signals::watch();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let thread = std::thread::Builder::new().stack_size(STACK);
-    match thread.spawn(move || of_arguments(&arguments)) {
+    match thread.spawn(move || command(&arguments)) {
         // a panic has already printed its message
         Ok(command) => command.join().unwrap_or(101),
         Err(e) => status_of(Err(Failure::Message(format!("cannot start a thread: {e}")))),
@@ -97,11 +116,15 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 fn of_arguments(arguments: &[OsString]) -> u8 {
     match Cli::try_parse_from(arguments) {
         Ok(cli) => status(cli.command),
-        // help and version arrive as errors of the parser, too
-        Err(told) => match tell(&told) {
-            Ok(()) => u8::try_from(told.exit_code()).unwrap_or(2),
-            Err(failure) => status_of(Err(failure)),
-        },
+        Err(told) => status_of_parser(&told),
+    }
+}
+
+/// Help and version arrive as errors of the parser, too.
+fn status_of_parser(told: &clap::Error) -> u8 {
+    match tell(told) {
+        Ok(()) => u8::try_from(told.exit_code()).unwrap_or(2),
+        Err(failure) => status_of(Err(failure)),
     }
 }
 
@@ -156,6 +179,7 @@ fn status(command: Command) -> u8 {
         Command::Compare(arguments) => compare::compare(&arguments),
         Command::Study(arguments) => study::study(&arguments),
         Command::Export(arguments) => export::export(&arguments),
+        Command::Import(arguments) => import::import(&arguments),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "dotyk", &mut script);

@@ -2,7 +2,7 @@
 
 use crate::Outcome;
 use crate::failure::{Failure, warn};
-use crate::given::Given;
+use crate::given::{Given, Input, located};
 use crate::progress::Progress;
 use crate::text::{columns, named, number, print, vector};
 use dotyk::model::{
@@ -17,7 +17,7 @@ use std::time::Instant;
 /// Arguments of `dotyk run`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Case files
+    /// Case files, or decks of Abaqus and CalculiX (.inp)
     #[arg(required = true, value_name = "CASE")]
     cases: Vec<PathBuf>,
     #[command(flatten)]
@@ -43,6 +43,27 @@ pub struct Arguments {
     /// Print summary.json instead of the tables; of several cases one after the other
     #[arg(long)]
     json: bool,
+    /// Where the files that a deck asks for go instead of the output folder
+    #[arg(skip)]
+    apart: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// Those of one deck, quiet, whose own files go into a folder of their own.
+    pub fn of_deck(deck: PathBuf, out: PathBuf, apart: PathBuf) -> Self {
+        Self {
+            cases: vec![deck],
+            given: Given::default(),
+            solver: None,
+            rho: None,
+            out: Some(out),
+            from: None,
+            threads: None,
+            quiet: true,
+            json: false,
+            apart: Some(apart),
+        }
+    }
 }
 
 fn method(text: &str) -> Result<Method, String> {
@@ -113,7 +134,8 @@ fn output_folders(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
 /// Solves one case, writes its files into a folder, prints.
 fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outcome, Failure> {
     let start = Instant::now();
-    of_any!(arguments.given.read(file)?, |case| {
+    let Input { case, deck } = arguments.given.read(file)?;
+    of_any!(case, |case| {
         let mut case = case;
         let taken = case.model.solver.take(arguments.solver, arguments.rho);
         taken.map_err(|method| {
@@ -128,10 +150,24 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
         let folder = Folder::hold(&folder).map_err(Failure::of_output)?;
 
         let mut progress = Progress::new(arguments.quiet);
-        let run = case.run(&past.unwrap_or_default(), &mut |event| {
+        let mut run = case.run(&past.unwrap_or_default(), &mut |event| {
             progress.observe(event)
         });
         progress.finish();
+        let mut beside = Vec::new();
+        if let Some(deck) = &deck {
+            let steps = run.standing();
+            let files = deck.files(&case.model, steps);
+            let motion = deck.motion(&case.model, steps);
+            beside = files.map_err(|e| Failure::of(file, e))?;
+            if arguments.apart.is_some() {
+                beside.push(deck.status(steps.len()));
+            }
+            let motion = motion.map_err(|e| Failure::of(file, e))?;
+            run.steps
+                .iter_mut()
+                .for_each(|step| step.warnings.extend(motion.clone()));
+        }
         warn(&run.warnings());
         let steps = run.standing();
         let record = output::Record {
@@ -145,9 +181,17 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
                 carried: failure.carried,
             }),
             since: start,
+            beside: if arguments.apart.is_none() {
+                &beside
+            } else {
+                &[]
+            },
         };
         if steps.last().is_some_and(|last| last.converged) {
             let written = record.write(&folder).map_err(Failure::of_output)?;
+            if let Some(apart) = &arguments.apart {
+                put_apart(apart, &beside)?;
+            }
             if arguments.json {
                 print(&written.summary)?;
             } else {
@@ -172,9 +216,19 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
                 Failure::of(file, ended).print();
                 Ok(Outcome::Unsatisfied)
             }
-            Some(Some(refusal)) => Err(refusal.into()),
+            Some(Some(refusal)) => Err(located(deck.as_deref(), refusal).into()),
         }
     })
+}
+
+/// Writes files into a folder, each whole or not at all.
+fn put_apart(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
+    for (name, content) in files {
+        let (path, part) = (folder.join(name), folder.join(format!("{name}.part")));
+        let written = std::fs::write(&part, content).and_then(|()| std::fs::rename(&part, &path));
+        written.map_err(|e| Failure::of(&path, format!("cannot be written: {e}")))?;
+    }
+    Ok(())
 }
 
 /// The folder for results of a case, which is held from then on; refused before any work when a file is in its way, or another run

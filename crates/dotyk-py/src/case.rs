@@ -83,6 +83,7 @@ impl Case {
         let given = Arc::new(Given {
             functions: of_functions.collect(),
             meshes: meshes.iter().map(|mesh| mesh.get().given.clone()).collect(),
+            ..Given::default()
         });
         let read = wait(py, &caller, None, move |_| {
             AnyCase::from_parts(&text, &name, &folder, &parameters, &given)

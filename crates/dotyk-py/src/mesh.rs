@@ -45,6 +45,7 @@ impl Mesh {
         let given = Arc::new(Given {
             meshes: meshes.iter().map(|mesh| mesh.get().given.clone()).collect(),
             functions: Vec::new(),
+            ..Given::default()
         });
         let caller = Arc::new(Caller::default());
         let read = wait(py, &caller, None, move |_| {

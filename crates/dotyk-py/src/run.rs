@@ -247,6 +247,7 @@ impl Run {
                 carried: failure.carried,
             }),
             since: now.checked_sub(self.spent).unwrap_or(now),
+            beside: &[],
         }
     }
 

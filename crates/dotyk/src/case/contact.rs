@@ -526,6 +526,12 @@ fn obstacle<const D: usize>(
 }
 
 fn gap(node: &Node) -> Result<Gap, Fault> {
+    if matches!(node.value, Value::Table(_)) {
+        let most = node
+            .table(keys::GAP)?
+            .require("adjust", "a `gap` as a table")?;
+        return Ok(Gap::Adjusted(most.not_negative("`adjust`")?));
+    }
     let Value::Text(text) = &node.value else {
         return Ok(Gap::Given(node.field()?));
     };
@@ -533,7 +539,7 @@ fn gap(node: &Node) -> Result<Gap, Fault> {
         "geometric" => Ok(Gap::Geometric),
         "closed" => Ok(Gap::Closed),
         _ => node.field().map(Gap::Given).map_err(|fault| {
-            fault.help("a gap is \"geometric\", \"closed\", a number or an expression")
+            fault.help("a gap is \"geometric\", \"closed\", a number, an expression or { adjust = LENGTH }")
         }),
     }
 }

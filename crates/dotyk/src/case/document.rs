@@ -257,6 +257,17 @@ impl Node {
         }
     }
 
+    /// A finite number ≥ 0; `name` is for the message.
+    pub fn not_negative(&self, name: &str) -> Result<f64, Fault> {
+        let value = self.number()?;
+        if value >= 0.0 {
+            Ok(value)
+        } else {
+            let message = format!("{name} must not be negative");
+            Err(Fault::new(&self.span, message).label("not ≥ 0"))
+        }
+    }
+
     /// An integer ≥ 1.
     pub fn positive_integer(&self, name: &str) -> Result<usize, Fault> {
         let count = match self.value {

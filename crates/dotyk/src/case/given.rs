@@ -11,6 +11,7 @@ use crate::case::source::Source;
 use crate::case::{keys, outline};
 use crate::geometry::Field;
 use crate::mesh::Mesh;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -26,9 +27,11 @@ pub enum GivenMesh {
     Space(Arc<Mesh<3>>, Named<3>),
 }
 
-/// Parts that a text may name by handles.
+/// Parts that a text may name by handles, and files that it may name by their paths although no folder has them.
 #[derive(Debug, Default)]
 pub struct Given {
+    /// Contents of mesh files by the path that the text has for them; they come before files of a folder.
+    pub files: BTreeMap<String, Vec<u8>>,
     /// Meshes of bodies.
     pub meshes: Vec<GivenMesh>,
     /// Functions, each by its components.

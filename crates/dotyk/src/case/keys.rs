@@ -247,6 +247,8 @@ pub const CONTACT: &[&str] = &[
     "friction_exclude",
     "active",
 ];
+/// `gap` of a contact, when it is a table.
+pub const GAP: &[&str] = &["adjust"];
 /// `obstacle` of a contact.
 pub const OBSTACLE: &[&str] = &[
     "gap",
@@ -378,6 +380,7 @@ const TABLES: &[(&str, &[&str])] = &[
     ("load", LOAD),
     ("couple", COUPLE),
     ("contact", CONTACT),
+    ("gap", GAP),
     ("obstacle", OBSTACLE),
     ("friction", FRICTION),
     ("section", SECTION),

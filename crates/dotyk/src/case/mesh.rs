@@ -64,6 +64,9 @@ pub(crate) trait Generated<const D: usize>: Sized {
     /// A mesh file for such bodies.
     fn read(path: &std::path::Path) -> Result<MeshFile, ImportError>;
 
+    /// The content of a mesh file for such bodies, which messages call `name`.
+    fn from_bytes(name: &str, bytes: &[u8]) -> Result<MeshFile, ImportError>;
+
     /// A body of some groups of it.
     fn cut(file: &MeshFile, groups: &[&str]) -> Result<Imported<D>, ImportError>;
 }
@@ -104,6 +107,10 @@ impl Generated<2> for Mesh<2> {
         MeshFile::read(path)
     }
 
+    fn from_bytes(name: &str, bytes: &[u8]) -> Result<MeshFile, ImportError> {
+        MeshFile::from_bytes(name, bytes)
+    }
+
     fn cut(file: &MeshFile, groups: &[&str]) -> Result<Imported<2>, ImportError> {
         file.mesh(groups)
     }
@@ -132,6 +139,10 @@ impl Generated<3> for Mesh<3> {
 
     fn read(path: &std::path::Path) -> Result<MeshFile, ImportError> {
         MeshFile::read_solid(path)
+    }
+
+    fn from_bytes(name: &str, bytes: &[u8]) -> Result<MeshFile, ImportError> {
+        MeshFile::solid_from_bytes(name, bytes)
     }
 
     fn cut(file: &MeshFile, groups: &[&str]) -> Result<Imported<3>, ImportError> {

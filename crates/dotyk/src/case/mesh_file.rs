@@ -147,12 +147,16 @@ impl MeshFiles {
     where
         Mesh<D>: Generated<D>,
     {
-        let path = self.folder.join(node.text()?);
+        let name = node.text()?;
+        let path = self.folder.join(name);
         let known = |opened: &Opened| opened.path == path && opened.dimension == D;
         let place = match self.files.iter().position(known) {
             Some(place) => place,
             None => {
-                let file = Mesh::<D>::read(&path);
+                let file = match node.given().files.get(name) {
+                    Some(bytes) => Mesh::<D>::from_bytes(name, bytes),
+                    None => Mesh::<D>::read(&path),
+                };
                 let file = file.map_err(|error| refused(&error, &node.span, body))?;
                 let said = file.warnings();
                 match self.files.iter().find(|opened| opened.path == path) {

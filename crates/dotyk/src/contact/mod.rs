@@ -144,6 +144,8 @@ impl<'a, const D: usize> Against<'a, D> {
 pub enum InitialGap<'a> {
     /// Measured between the nodes along the normal.
     Measured,
+    /// Measured, zero where it is at most this length.
+    Adjusted(f64),
     /// Zero.
     Closed,
     /// Given at the undeformed nonmortar point.

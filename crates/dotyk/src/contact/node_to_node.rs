@@ -9,7 +9,7 @@
 
 use crate::contact::corners::Corners;
 use crate::contact::normals::Normals;
-use crate::contact::obstacle::{Driven, Rigid, finite_gap};
+use crate::contact::obstacle::{Driven, Rigid, beyond, finite_gap};
 use crate::contact::relative::{Relative, axes, frame, shared};
 use crate::contact::weights::nodal_weights;
 use crate::contact::{
@@ -126,6 +126,7 @@ pub fn pair_nodes<const D: usize>(
             let normal = relative.free_normal(facing);
             let gap = match gap {
                 InitialGap::Measured => dot(normal, sub(m.points()[j], point)),
+                InitialGap::Adjusted(most) => beyond(most, dot(normal, sub(m.points()[j], point))),
                 InitialGap::Closed => 0.0,
                 InitialGap::Given(field) => finite_gap(field, point, time, nonmortar)?,
             };

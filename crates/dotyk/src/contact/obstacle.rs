@@ -134,6 +134,11 @@ pub enum Driven {
     Free,
 }
 
+/// A gap that counts as closed up to a length.
+pub(super) fn beyond(most: f64, gap: f64) -> f64 {
+    if gap <= most { 0.0 } else { gap }
+}
+
 /// Value of a gap at a point; an error when it is not finite.
 pub(super) fn finite_gap<const D: usize>(
     field: &Field,

@@ -2,7 +2,7 @@
 
 use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
-use crate::contact::obstacle::{Rigid, finite_gap};
+use crate::contact::obstacle::{Rigid, beyond, finite_gap};
 use crate::contact::search::{Hit, Line, SideSearch};
 use crate::contact::{Against, ContactError, End, InitialGap};
 use crate::fem::TrueSurface;
@@ -116,6 +116,7 @@ impl<'a, const D: usize> Opposite<'a, D> {
     pub fn gap_at(&self, facet: Facet, line: Line<D>, hit: Hit) -> Result<f64, ContactError> {
         match self.gap {
             InitialGap::Measured => Ok(self.true_distance(facet, line, hit)),
+            InitialGap::Adjusted(most) => Ok(beyond(most, self.true_distance(facet, line, hit))),
             InitialGap::Closed => Ok(0.0),
             InitialGap::Given(field) => finite_gap(field, line.start, self.time, self.nonmortar),
         }

@@ -22,7 +22,7 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, String> {
 /// A text, which may come from a stream that the process was given.
 ///
 /// Errors: as [`read`]; a text that is not UTF-8.
-pub(crate) fn read_text(path: &Path) -> Result<String, String> {
+pub fn read_text(path: &Path) -> Result<String, String> {
     let most = free_memory().map_or(MOST_OF_TEXT, |free| MOST_OF_TEXT.min(free / 2));
     let bytes = bytes(path, most, path.starts_with(STREAMS))?;
     String::from_utf8(bytes).map_err(|e| {

@@ -132,6 +132,8 @@ pub struct Record<'a, const D: usize> {
     pub failed: Option<FailedStep>,
     /// When the run began.
     pub since: Instant,
+    /// Names and contents of further files that appear with the others.
+    pub beside: &'a [(String, Vec<u8>)],
 }
 
 impl<'a, const D: usize> Record<'a, D> {
@@ -147,6 +149,7 @@ impl<'a, const D: usize> Record<'a, D> {
             since: now
                 .checked_sub(Duration::from_secs_f64(spent))
                 .unwrap_or(now),
+            beside: &[],
         }
     }
 
@@ -410,6 +413,9 @@ fn write<const D: usize>(record: &Record<'_, D>, folder: &Folder) -> Result<Writ
     }
     if let Some(state) = state::state(steps) {
         stage.put(state::STATE, &state)?;
+    }
+    for (name, content) in record.beside {
+        stage.put(name, content)?;
     }
 
     let seconds = || Seconds {

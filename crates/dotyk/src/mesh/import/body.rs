@@ -5,7 +5,7 @@ use crate::mesh::import::content::ReadCell;
 use crate::mesh::import::error::ImportError;
 use crate::mesh::import::remarks::quoted;
 use crate::mesh::{CellBlock, CellKind, Facet, FacetTable, Mesh, MeshError, MeshFile};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// The side that every imported mesh has, unless a group of the file has its name.
 const BOUNDARY: &str = "boundary";
@@ -352,16 +352,16 @@ impl MeshFile {
         renumbered: &[u32],
     ) -> BTreeMap<String, Vec<Point<D>>> {
         let mut points: BTreeMap<String, Vec<Point<D>>> = BTreeMap::new();
+        // version 2.2 of the format repeats an element for each of its groups
+        let mut listed: HashSet<(usize, u32)> = HashSet::new();
         for named in &self.nodes {
             let Some(&point) = mesh.points().get(renumbered[named.node as usize] as usize) else {
                 continue;
             };
             for &group in &self.node_sets[named.tags as usize] {
-                let name = self.point_groups.names[group].clone();
-                let nodes = points.entry(name).or_default();
-                // version 2.2 of the format repeats an element for each of its groups
-                if !nodes.contains(&point) {
-                    nodes.push(point);
+                if listed.insert((group, named.node)) {
+                    let name = self.point_groups.names[group].clone();
+                    points.entry(name).or_default().push(point);
                 }
             }
         }

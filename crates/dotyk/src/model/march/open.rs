@@ -33,7 +33,7 @@ pub(crate) fn open_forces<const D: usize>(
     for (contact, (rows, condition)) in finer {
         asked[rows.clone()].fill(true);
         let given = model.contacts[contact].gap.as_ref();
-        if given.is_some_and(|gap| !matches!(gap, Gap::Geometric)) {
+        if given.is_some_and(|gap| !matches!(gap, Gap::Geometric | Gap::Adjusted(_))) {
             continue;
         }
         let points = model.bodies[condition.nonmortar.body.0].mesh.points();

@@ -101,6 +101,8 @@ pub enum Pairing {
 pub enum Gap {
     /// Measured between the two sides.
     Geometric,
+    /// Measured between the two sides, where gaps up to this length, and overlaps, count as closed.
+    Adjusted(f64),
     /// Zero by design, whatever the meshes say.
     Closed,
     /// Clearance > 0 or interference < 0 along the normal.

@@ -525,6 +525,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
             None => default,
             Some(Gap::Closed) => InitialGap::Closed,
             Some(Gap::Geometric) => InitialGap::Measured,
+            Some(Gap::Adjusted(most)) => InitialGap::Adjusted(*most),
             Some(Gap::Given(field)) => InitialGap::Given(field),
         }
     }

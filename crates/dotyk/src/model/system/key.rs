@@ -166,6 +166,7 @@ fn same_gap(a: Option<&Gap>, b: Option<&Gap>) -> bool {
         (None, None) => true,
         (Some(Gap::Geometric), Some(Gap::Geometric)) => true,
         (Some(Gap::Closed), Some(Gap::Closed)) => true,
+        (Some(Gap::Adjusted(a)), Some(Gap::Adjusted(b))) => a == b,
         (Some(Gap::Given(a)), Some(Gap::Given(b))) => same_field(a, b),
         _ => false,
     }

@@ -1,0 +1,1048 @@
+//! A deck as a case: its text, whose every line comes from a line of the deck, and the groups of its mesh.
+
+use crate::bodies::{Bodies, Body};
+use crate::course::{active, expression, quoted, stretches};
+use crate::deck::{Coupling, Deck, Face, Index, Motion, Pair};
+use crate::error::Fault;
+use crate::lines::{Place, folded};
+use crate::msh::Groups;
+use crate::names::{Names, clean};
+use crate::steps::{Course, Step};
+use dotyk::model::Analysis;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Part of the largest size below which numbers count as the same.
+const SAME: f64 = 1e-9;
+
+/// A part of the typical edge within which CalculiX ties by default.
+const TIED: f64 = 0.025;
+
+/// The text of a case with the line of the deck that each of its lines comes from.
+#[derive(Debug, Default)]
+pub(crate) struct Text {
+    pub text: String,
+    pub origins: Vec<Place>,
+}
+
+impl Text {
+    fn line(&mut self, place: Place, line: &str) {
+        self.text.push_str(line);
+        self.text.push('\n');
+        self.origins.push(place);
+    }
+
+    fn list(&mut self, place: Place, key: &str, entries: &[(Place, String)]) {
+        if entries.is_empty() {
+            return;
+        }
+        self.line(place, &format!("{key} = ["));
+        for (place, entry) in entries {
+            self.line(*place, &format!("  {entry},"));
+        }
+        self.line(place, "]");
+    }
+}
+
+/// A contact of the case, for the results that a deck asks for.
+#[derive(Debug, Clone)]
+pub(crate) struct Named {
+    pub name: String,
+    pub slave: String,
+    pub master: String,
+}
+
+/// The case of a deck.
+pub(crate) struct Writer<'d> {
+    deck: &'d mut Deck,
+    bodies: &'d Bodies,
+    names: Names,
+    pub text: Text,
+    pub groups: Groups,
+    pub contacts: Vec<Named>,
+    /// Names of sides and points by body and content.
+    sides: BTreeMap<(usize, Vec<Face>), String>,
+    points: BTreeMap<(usize, Vec<Index>), String>,
+    used: BTreeSet<(usize, String)>,
+    /// Reference points: body and name of the point.
+    pub references: BTreeMap<Index, (usize, String)>,
+}
+
+/// Entries of `fix` and `load` and the like of one body.
+#[derive(Default)]
+struct Entries {
+    fix: Vec<(Place, String)>,
+    load: Vec<(Place, String)>,
+    couple: Vec<(Place, String)>,
+    points: Vec<(Place, String)>,
+}
+
+impl<'d> Writer<'d> {
+    /// Writes the case; `file` is the name of its mesh file, `title` what it is called without *HEADING.
+    ///
+    /// Errors: what the case cannot say, at its line.
+    pub fn new(
+        deck: &'d mut Deck,
+        bodies: &'d Bodies,
+        names: Names,
+        file: &str,
+        title: &str,
+    ) -> Result<Self, Fault> {
+        let mut writer = Self {
+            deck,
+            bodies,
+            names,
+            text: Text::default(),
+            groups: Groups::default(),
+            contacts: Vec::new(),
+            sides: BTreeMap::new(),
+            points: BTreeMap::new(),
+            used: BTreeSet::new(),
+            references: BTreeMap::new(),
+        };
+        writer.head(title);
+        let mut entries: Vec<Entries> = bodies.list.iter().map(|_| Entries::default()).collect();
+        writer.couples(&mut entries)?;
+        writer.supports(&mut entries)?;
+        writer.forces(&mut entries)?;
+        writer.pressures(&mut entries)?;
+        for (index, own) in entries.into_iter().enumerate() {
+            writer.body(index, file, own)?;
+        }
+        writer.contacts()?;
+        writer.ties()?;
+        for (number, step) in (1..).zip(writer.deck.steps.clone()) {
+            let line = format!(
+                "[[step]]\nname = \"step-{number}\"\ntime = {:?}\n",
+                step.time
+            );
+            line.lines()
+                .for_each(|line| writer.text.line(step.place, line));
+        }
+        Ok(writer)
+    }
+
+    fn head(&mut self, title: &str) {
+        let first = Place { file: 0, line: 1 };
+        let title = match self.deck.title.is_empty() {
+            true => title,
+            false => &self.deck.title,
+        };
+        let title: String = title.chars().filter(|c| !c.is_control()).collect();
+        let title = title.replace('\\', "\\\\").replace('"', "\\\"");
+        self.text.line(first, &format!("title = \"{title}\""));
+        self.text.line(
+            first,
+            &format!("analysis = \"{}\"", self.bodies.analysis.name()),
+        );
+        self.text.line(first, "");
+    }
+
+    fn axes(&self) -> usize {
+        if self.bodies.analysis == Analysis::Solid {
+            3
+        } else {
+            2
+        }
+    }
+
+    /// The name of a side of a body with these faces.
+    fn side(&mut self, body: usize, faces: &[Face], wanted: &str) -> String {
+        let mut faces = faces.to_vec();
+        faces.sort_unstable();
+        if let Some(known) = self.sides.get(&(body, faces.clone())) {
+            return known.clone();
+        }
+        let name = self.free(body, wanted);
+        self.groups
+            .sides
+            .entry(name.clone())
+            .or_default()
+            .extend(&faces);
+        self.sides.insert((body, faces), name.clone());
+        name
+    }
+
+    /// The name of a group of nodes of a body.
+    fn point(&mut self, body: usize, nodes: &[Index], wanted: &str) -> String {
+        if let Some(known) = self.points.get(&(body, nodes.to_vec())) {
+            return known.clone();
+        }
+        let name = self.free(body, wanted);
+        self.groups
+            .points
+            .entry(name.clone())
+            .or_default()
+            .extend(nodes);
+        self.points.insert((body, nodes.to_vec()), name.clone());
+        name
+    }
+
+    fn free(&mut self, body: usize, wanted: &str) -> String {
+        let wanted = match clean(wanted) {
+            // a name of digits alone would be a number
+            name if name.chars().all(|c| c.is_ascii_digit()) => format!("N{name}"),
+            name if name == "boundary" => "boundary-1".to_string(),
+            name => name,
+        };
+        let numbered = |k: usize| {
+            if k == 1 {
+                wanted.clone()
+            } else {
+                format!("{wanted}-{k}")
+            }
+        };
+        let mut k = 1;
+        while !self.used.insert((body, numbered(k))) {
+            k += 1;
+        }
+        numbered(k)
+    }
+
+    /// Boundary faces of a body with all of their nodes among these, and the nodes that are on none of them.
+    fn cover(&self, body: usize, nodes: &[Index]) -> (Vec<Face>, Vec<Index>) {
+        let set: BTreeSet<Index> = nodes.iter().copied().collect();
+        let mut covered = BTreeSet::new();
+        let mut faces = Vec::new();
+        for &face in &self.bodies.list[body].boundary {
+            let own = self.deck.face_nodes(face);
+            if own.iter().all(|node| set.contains(node)) {
+                covered.extend(own);
+                faces.push(face);
+            }
+        }
+        let rest = set.into_iter().filter(|node| !covered.contains(node));
+        (faces, rest.collect())
+    }
+
+    /// The places of nodes in a case: `side = ".."` and `point = ".."`.
+    fn places(&mut self, body: usize, nodes: &[Index], wanted: &str) -> Vec<String> {
+        let (faces, rest) = self.cover(body, nodes);
+        let mut places = Vec::new();
+        if !faces.is_empty() {
+            places.push(format!("side = \"{}\"", self.side(body, &faces, wanted)));
+        }
+        if !rest.is_empty() {
+            let wanted = if faces.is_empty() {
+                wanted.to_string()
+            } else {
+                format!("{wanted}-nodes")
+            };
+            places.push(format!("point = \"{}\"", self.point(body, &rest, &wanted)));
+        }
+        places
+    }
+
+    fn couples(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
+        let couplings = std::mem::take(&mut self.deck.couplings);
+        for coupling in &couplings {
+            let keyword = if coupling.rotation.is_some() {
+                "RIGID BODY"
+            } else {
+                "COUPLING"
+            };
+            let fault = |message: String| Fault {
+                place: coupling.place,
+                keyword: keyword.to_string(),
+                message,
+            };
+            let (by_body, loose) = self.bodies.split(&coupling.nodes);
+            let mut by_body = by_body.into_iter();
+            let (Some((body, nodes)), None) = (by_body.next(), by_body.next()) else {
+                return Err(fault(format!(
+                    "the nodes of {} belong to several bodies, or to none: one is supported",
+                    coupling.of
+                )));
+            };
+            if !loose.is_empty() {
+                return Err(fault(format!(
+                    "{} has nodes that belong to no element",
+                    coupling.of
+                )));
+            }
+            if self.references.contains_key(&coupling.reference) {
+                return Err(fault(
+                    "the reference node has another coupling already".to_string(),
+                ));
+            }
+            let (faces, rest) = self.cover(body, &nodes);
+            if faces.is_empty() {
+                return Err(fault(format!(
+                    "the nodes of {} make no face of an element",
+                    coupling.of
+                )));
+            }
+            if !rest.is_empty() {
+                let (count, first) = (rest.len(), self.deck.numbers[rest[0] as usize]);
+                self.deck.note(
+                    coupling.place,
+                    keyword,
+                    &format!("{count} nodes of {} that are on no face with all its nodes there are left out, the first is {first}", coupling.of),
+                );
+            }
+            let side = self.side(body, &faces, &coupling.of);
+            let point = self.free(body, &format!("{}-point", coupling.name));
+            let axes = self.axes();
+            let at = list(&self.deck.points[coupling.reference as usize][..axes]);
+            let kind = match coupling.motion {
+                Some(Motion::Average) => "average",
+                _ => "rigid",
+            };
+            let own = &mut entries[body];
+            own.points.push((coupling.place, format!("{point} = {at}")));
+            own.couple.push((
+                coupling.place,
+                format!("{{ side = \"{side}\", point = \"{point}\", kind = \"{kind}\" }}"),
+            ));
+            self.references.insert(coupling.reference, (body, point));
+        }
+        self.deck.couplings = couplings;
+        Ok(())
+    }
+
+    /// The coupling that a node is the point of, or whose rotation it is.
+    fn coupling(&self, node: Index) -> Option<(&Coupling, bool)> {
+        let mut known = self.deck.couplings.iter();
+        known.find_map(|coupling| match () {
+            () if coupling.reference == node => Some((coupling, false)),
+            () if coupling.rotation == Some(node) => Some((coupling, true)),
+            () => None,
+        })
+    }
+
+    fn supports(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
+        let held = std::mem::take(&mut self.deck.acting.held.all);
+        let steps = self.deck.steps.clone();
+        // nodes with the same line and the same values are one support
+        type Key = (Place, String, Vec<(u8, Vec<Option<u64>>)>);
+        let mut alike: BTreeMap<Key, Vec<Index>> = BTreeMap::new();
+        let mut by_node: BTreeMap<(Index, Place), Vec<(u8, &Course)>> = BTreeMap::new();
+        for ((node, freedom), course) in &held {
+            late(course, *freedom)?;
+            match self.coupling(*node) {
+                Some(_) => self.hold_point(*node, *freedom, course, &steps, entries)?,
+                None if usize::from(*freedom) > self.axes() => {}
+                None => by_node
+                    .entry((*node, course.place))
+                    .or_default()
+                    .push((*freedom, course)),
+            }
+        }
+        for ((node, place), courses) in &by_node {
+            let values = courses
+                .iter()
+                .map(|(freedom, course)| (*freedom, course.key()));
+            let key = (*place, courses[0].1.of.clone(), values.collect());
+            alike.entry(key).or_default().push(*node);
+        }
+        for ((place, of, values), nodes) in alike {
+            let (by_body, loose) = self.bodies.split(&nodes);
+            if !loose.is_empty() && by_body.is_empty() {
+                let number = self.deck.numbers[loose[0] as usize];
+                self.deck.note(
+                    place,
+                    "BOUNDARY",
+                    &format!("node {number} belongs to no element: it holds nothing"),
+                );
+            }
+            for (body, nodes) in by_body {
+                let places = self.places(body, &nodes, &of);
+                for at in places {
+                    for (keys, during) in self.merged(&values, &steps) {
+                        entries[body]
+                            .fix
+                            .push((place, format!("{{ {at}, {keys}{during} }}")));
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Components with the stretches in which they are there; those of the same stretch are one entry.
+    fn merged(&self, values: &[(u8, Vec<Option<u64>>)], steps: &[Step]) -> Vec<(String, String)> {
+        let mut by_time: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for (freedom, key) in values {
+            let own: Vec<Option<f64>> = key.iter().map(|bits| bits.map(f64::from_bits)).collect();
+            for stretch in stretches(&own, steps) {
+                let entry = format!("{} = {}", axis(*freedom), stretch.text);
+                by_time
+                    .entry(active(&stretch, steps))
+                    .or_default()
+                    .push(entry);
+            }
+        }
+        by_time
+            .into_iter()
+            .map(|(during, keys)| (keys.join(", "), during))
+            .collect()
+    }
+
+    /// A support of a reference point: 1 to 3 displacements, 4 to 6, or 1 to 3 of the rotation node, rotations.
+    fn hold_point(
+        &mut self,
+        node: Index,
+        freedom: u8,
+        course: &Course,
+        steps: &[Step],
+        entries: &mut [Entries],
+    ) -> Result<(), Fault> {
+        let Some((coupling, turns)) = self.coupling(node) else {
+            return Ok(());
+        };
+        let Some((body, point)) = self.references.get(&coupling.reference).cloned() else {
+            return Ok(());
+        };
+        let axes = self.axes();
+        let about = match (turns, freedom) {
+            (true, k) if k <= 3 => Some(k),
+            (false, k) if k > 3 => Some(k - 3),
+            _ => None,
+        };
+        if axes == 2 && about.is_some_and(|k| k != 3)
+            || about.is_none() && usize::from(freedom) > axes
+        {
+            return Ok(());
+        }
+        for stretch in stretches(&course.values, steps) {
+            let during = active(&stretch, steps);
+            let key = match about {
+                None => format!("{} = {}", axis(freedom), stretch.text),
+                Some(_) if axes == 2 => format!("rotation = {}", stretch.text),
+                Some(k) => format!("rotation = {{ {} = {} }}", axis(k), stretch.text),
+            };
+            entries[body].fix.push((
+                course.place,
+                format!("{{ point = \"{point}\", {key}{during} }}"),
+            ));
+        }
+        Ok(())
+    }
+
+    fn forces(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
+        let forces = std::mem::take(&mut self.deck.acting.forces.all);
+        let steps = self.deck.steps.clone();
+        type Key = (Place, String, Vec<(u8, Vec<Option<u64>>)>);
+        let mut alike: BTreeMap<Key, Vec<Index>> = BTreeMap::new();
+        let mut by_node: BTreeMap<(Index, String), Vec<(u8, &Course)>> = BTreeMap::new();
+        let axes = self.axes();
+        for ((node, freedom), course) in &forces {
+            let fault = |message: String| Fault {
+                place: course.place,
+                keyword: "CLOAD".to_string(),
+                message,
+            };
+            let number = self.deck.numbers[*node as usize];
+            if let Some((coupling, turns)) = self.coupling(*node) {
+                let Some((body, point)) = self.references.get(&coupling.reference).cloned() else {
+                    continue;
+                };
+                let text = quoted(&expression(&course.filled(), &steps));
+                let zeros = |k: u8| -> Vec<String> {
+                    let along = (1..=axes as u8).map(|d| {
+                        if d == k {
+                            text.clone()
+                        } else {
+                            "0.0".to_string()
+                        }
+                    });
+                    along.collect()
+                };
+                let entry = match (turns, *freedom) {
+                    (false, k) if usize::from(k) <= axes => {
+                        format!("force = [{}]", zeros(k).join(", "))
+                    }
+                    (true, k) | (false, k) if axes == 3 && (turns || k > 3) => {
+                        format!(
+                            "moment = [{}]",
+                            zeros(if turns { k } else { k - 3 }).join(", ")
+                        )
+                    }
+                    (true, 3) | (false, 6) => format!("moment = {text}"),
+                    _ => {
+                        return Err(fault(format!(
+                            "degree of freedom {freedom} of node {number} does not exist in the plane"
+                        )));
+                    }
+                };
+                entries[body]
+                    .load
+                    .push((course.place, format!("{{ point = \"{point}\", {entry} }}")));
+                continue;
+            }
+            if usize::from(*freedom) > axes {
+                return Err(fault(format!(
+                    "node {number} of solid elements has no degree of freedom {freedom}"
+                )));
+            }
+            if self.bodies.of_node[*node as usize].is_none() {
+                return Err(fault(format!(
+                    "node {number} belongs to no element, and is the reference node of nothing"
+                )));
+            }
+            by_node
+                .entry((*node, course.of.clone()))
+                .or_default()
+                .push((*freedom, course));
+        }
+        for ((node, of), courses) in &by_node {
+            let values = courses
+                .iter()
+                .map(|(freedom, course)| (*freedom, course.key()));
+            alike
+                .entry((courses[0].1.place, of.clone(), values.collect()))
+                .or_default()
+                .push(*node);
+        }
+        for ((place, of, values), nodes) in alike {
+            let component = |k: u8| match values.iter().find(|(freedom, _)| *freedom == k) {
+                None => "0.0".to_string(),
+                Some((_, key)) => {
+                    let own: Vec<f64> = key
+                        .iter()
+                        .map(|bits| bits.map_or(0.0, f64::from_bits))
+                        .collect();
+                    quoted(&expression(&own, &steps))
+                }
+            };
+            let force: Vec<String> = (1..=axes as u8).map(component).collect();
+            for (body, nodes) in self.bodies.split(&nodes).0 {
+                let point = self.point(body, &nodes, &of);
+                entries[body].load.push((
+                    place,
+                    format!("{{ point = \"{point}\", force = [{}] }}", force.join(", ")),
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn pressures(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
+        let steps = self.deck.steps.clone();
+        let faces = std::mem::take(&mut self.deck.acting.pressures.all);
+        let mut alike: BTreeMap<(Place, Vec<Option<u64>>), (String, Vec<Face>)> = BTreeMap::new();
+        // lines of one set with the same value are one load
+        let mut first: BTreeMap<(String, Vec<Option<u64>>), Place> = BTreeMap::new();
+        for (face, course) in &faces {
+            let named = course.of.parse::<u64>().is_err();
+            let of = if named {
+                format!("{}-P{}", course.of, face.1 + 1)
+            } else {
+                "pressed".to_string()
+            };
+            let place = *first
+                .entry((of.clone(), course.key()))
+                .or_insert(course.place);
+            alike
+                .entry((place, course.key()))
+                .or_insert_with(|| (of, Vec::new()))
+                .1
+                .push(*face);
+        }
+        let of_surfaces = std::mem::take(&mut self.deck.acting.surfaces.all);
+        let mut loads: Vec<(Place, String, Vec<Face>, Vec<Option<u64>>)> = Vec::new();
+        for ((place, key), (of, faces)) in alike {
+            loads.push((place, of, faces, key));
+        }
+        for (name, course) in of_surfaces {
+            let surface = &self.deck.surfaces[&name];
+            loads.push((
+                course.place,
+                surface.name.clone(),
+                surface.faces.clone(),
+                course.key(),
+            ));
+        }
+        for (place, of, faces, key) in loads {
+            let own: Vec<f64> = key
+                .iter()
+                .map(|bits| bits.map_or(0.0, f64::from_bits))
+                .collect();
+            let text = quoted(&expression(&own, &steps));
+            for (body, faces) in self.bodies.split_faces(&faces) {
+                let side = self.side(body, &faces, &of);
+                entries[body]
+                    .load
+                    .push((place, format!("{{ side = \"{side}\", pressure = {text} }}")));
+            }
+        }
+        Ok(())
+    }
+
+    fn body(&mut self, index: usize, file: &str, entries: Entries) -> Result<(), Fault> {
+        let bodies = self.bodies;
+        let body = &bodies.list[index];
+        let first = &self.deck.sections[body.sections[0].0];
+        let place = first.place;
+        let groups: Vec<String> = body
+            .sections
+            .iter()
+            .map(|(_, group)| format!("\"{group}\""))
+            .collect();
+        let material = self.materials(body)?;
+        let gravity = self.gravity(body)?;
+        let thermal = self.thermal(body)?;
+        let enhanced = body.elements.iter().any(|e| {
+            self.deck.kinds[self.deck.elements[*e as usize].kind]
+                .1
+                .enhanced
+        });
+        let text = &mut self.text;
+        text.line(place, "[[body]]");
+        text.line(place, &format!("name = \"{}\"", body.name));
+        text.line(
+            place,
+            &format!(
+                "mesh = {{ file = {{ path = \"{file}\", group = [{}] }} }}",
+                groups.join(", ")
+            ),
+        );
+        match &material[..] {
+            [(place, one)] => text.line(*place, &format!("material = {{ {one} }}")),
+            several => {
+                let entries = several.iter().zip(&groups);
+                let entries = entries
+                    .map(|((place, own), group)| (*place, format!("{{ group = {group}, {own} }}")));
+                text.list(place, "material", &entries.collect::<Vec<_>>());
+            }
+        }
+        if enhanced {
+            text.line(place, "formulation = \"enhanced\"");
+        }
+        if let Some((place, force)) = gravity {
+            text.line(place, &format!("body_force = [{}]", force.join(", ")));
+        }
+        if let Some((place, strain)) = thermal {
+            text.line(place, &format!("initial_strain = {strain}"));
+        }
+        if !entries.points.is_empty() {
+            let points: Vec<&str> = entries
+                .points
+                .iter()
+                .map(|(_, point)| point.as_str())
+                .collect();
+            text.line(
+                entries.points[0].0,
+                &format!("points = {{ {} }}", points.join(", ")),
+            );
+        }
+        text.list(place, "couple", &entries.couple);
+        text.list(place, "fix", &entries.fix);
+        text.list(place, "load", &entries.load);
+        text.line(place, "");
+        Ok(())
+    }
+
+    /// The material of each section of a body, without its group.
+    fn materials(&self, body: &Body) -> Result<Vec<(Place, String)>, Fault> {
+        let plane = self.axes() == 2 && self.bodies.analysis != Analysis::Axisymmetric;
+        let of = |(section, _): &(usize, String)| {
+            let section = &self.deck.sections[*section];
+            let material = &self.deck.materials[&folded(&section.material)];
+            let [young, poisson] = material.elastic.unwrap_or([1.0, 0.0]);
+            let thickness = section.thickness.filter(|_| plane);
+            let thickness = thickness.map_or(String::new(), |t| format!(", thickness = {t:?}"));
+            (
+                material.place,
+                format!("young = {young:?}, poisson = {poisson:?}{thickness}"),
+            )
+        };
+        Ok(body.sections.iter().map(of).collect())
+    }
+
+    /// The density times the acceleration.
+    fn gravity(&self, body: &Body) -> Result<Option<(Place, Vec<String>)>, Fault> {
+        let mut sum: Option<(Place, Vec<Vec<f64>>)> = None;
+        for ((set, axis), course) in &self.deck.acting.gravity.all {
+            let fault = |message: String| Fault {
+                place: course.place,
+                keyword: "DLOAD".to_string(),
+                message,
+            };
+            let members: BTreeSet<Index> = match self.deck.element_sets.get(set) {
+                Some(set) => set.members.iter().copied().collect(),
+                None => continue,
+            };
+            let within = body.elements.iter().filter(|e| members.contains(e)).count();
+            if within == 0 {
+                continue;
+            }
+            if within < body.elements.len() {
+                return Err(fault(format!(
+                    "GRAV acts on a part of body {}: the whole body is supported",
+                    body.name
+                )));
+            }
+            let densities = body.sections.iter().map(|(section, _)| {
+                let material =
+                    &self.deck.materials[&folded(&self.deck.sections[*section].material)];
+                material
+                    .density
+                    .ok_or_else(|| fault(format!("material {} has no *DENSITY", material.name)))
+            });
+            let densities = densities.collect::<Result<Vec<_>, _>>()?;
+            if densities.iter().any(|density| *density != densities[0]) {
+                return Err(fault(format!(
+                    "the materials of body {} differ in density: one is supported; tie two bodies",
+                    body.name
+                )));
+            }
+            let (_, force) =
+                sum.get_or_insert_with(|| (course.place, vec![vec![0.0; course.values.len()]; 3]));
+            for (total, value) in force[usize::from(*axis) - 1]
+                .iter_mut()
+                .zip(course.filled())
+            {
+                *total += densities[0] * value;
+            }
+        }
+        let steps = &self.deck.steps;
+        Ok(sum.map(|(place, force)| {
+            let along = force
+                .iter()
+                .take(self.axes())
+                .map(|values| quoted(&expression(values, steps)));
+            (place, along.collect())
+        }))
+    }
+
+    /// The change of temperature of a body, times its expansion.
+    fn thermal(&self, body: &Body) -> Result<Option<(Place, String)>, Fault> {
+        let temperatures = &self.deck.acting.temperatures.all;
+        let heated = body.nodes.iter().find_map(|node| temperatures.get(node));
+        let Some(heated) = heated else {
+            return Ok(None);
+        };
+        let fault = |message: String| Fault {
+            place: heated.place,
+            keyword: "TEMPERATURE".to_string(),
+            message,
+        };
+        let materials = body.sections.iter().map(|(section, _)| {
+            &self.deck.materials[&folded(&self.deck.sections[*section].material)]
+        });
+        let expansions: Vec<f64> = materials
+            .map(|material| material.expansion.unwrap_or(0.0))
+            .collect();
+        if expansions
+            .iter()
+            .any(|expansion| *expansion != expansions[0])
+        {
+            return Err(fault(format!(
+                "the materials of body {} differ in expansion: one is supported; tie two bodies",
+                body.name
+            )));
+        }
+        if expansions[0] == 0.0 {
+            return Ok(None);
+        }
+        if let Some(node) = body
+            .nodes
+            .iter()
+            .find(|node| !self.deck.initial.contains_key(node))
+        {
+            let number = self.deck.numbers[*node as usize];
+            return Err(fault(format!(
+                "node {number} has no *INITIAL CONDITIONS, TYPE=TEMPERATURE: expansion has no reference"
+            )));
+        }
+        let count = self.deck.steps.len();
+        let mut fitted = Vec::with_capacity(count);
+        for step in 0..count {
+            let change = body.nodes.iter().map(|node| {
+                let before = self.deck.initial[node];
+                let now = temperatures
+                    .get(node)
+                    .and_then(|course| course.values[step]);
+                now.map_or(0.0, |now| now - before)
+            });
+            let change: Vec<f64> = change.collect();
+            let points: Vec<[f64; 3]> = body
+                .nodes
+                .iter()
+                .map(|node| self.deck.points[*node as usize])
+                .collect();
+            let fit = linear(&points, &change).ok_or_else(|| {
+                fault(format!("the temperature of body {} is neither constant nor linear in space: other fields are not supported in a deck", body.name))
+            })?;
+            fitted.push(fit);
+        }
+        let mut text = String::new();
+        for (k, name) in ["", "*x", "*y", "*z"].iter().enumerate() {
+            let values: Vec<f64> = fitted.iter().map(|fit| fit[k]).collect();
+            if k > 0 && values.iter().all(|value| *value == 0.0) {
+                continue;
+            }
+            let own = expression(&values, &self.deck.steps);
+            text += &if k == 0 {
+                own
+            } else {
+                format!(" + ({own}){name}")
+            };
+        }
+        Ok(Some((
+            heated.place,
+            format!(
+                "{{ thermal = {}, expansion = {:?} }}",
+                quoted(&text),
+                expansions[0]
+            ),
+        )))
+    }
+
+    /// The faces of a surface by body; nodes stand for the faces that they make.
+    fn faces_of(
+        &mut self,
+        name: &str,
+        place: Place,
+        keyword: &str,
+    ) -> Result<BTreeMap<usize, String>, Fault> {
+        let surface = &self.deck.surfaces[name];
+        let (title, nodes) = (surface.name.clone(), surface.nodes.clone());
+        let by_body = match &nodes {
+            None => self.bodies.split_faces(&surface.faces),
+            Some(nodes) => {
+                let by_body = self.bodies.split(nodes).0.into_iter();
+                let faces = by_body.map(|(body, nodes)| (body, self.cover(body, &nodes).0));
+                faces.filter(|(_, faces)| !faces.is_empty()).collect()
+            }
+        };
+        if by_body.is_empty() {
+            let message = format!(
+                "the nodes of surface {title} make no face of an element: use a surface of element faces"
+            );
+            return Err(Fault {
+                place,
+                keyword: keyword.to_string(),
+                message,
+            });
+        }
+        let sides = by_body
+            .into_iter()
+            .map(|(body, faces)| (body, self.side(body, &faces, &title)));
+        Ok(sides.collect())
+    }
+
+    fn contacts(&mut self) -> Result<(), Fault> {
+        let pairs = std::mem::take(&mut self.deck.pairs);
+        for pair in &pairs {
+            self.pair(pair)?;
+        }
+        self.deck.pairs = pairs;
+        Ok(())
+    }
+
+    fn pair(&mut self, pair: &Pair) -> Result<(), Fault> {
+        let fault = |message: String| Fault {
+            place: pair.place,
+            keyword: "CONTACT PAIR".to_string(),
+            message,
+        };
+        let Some(interaction) = self.deck.interactions.get(&pair.interaction).cloned() else {
+            return Err(fault(format!(
+                "there is no *SURFACE INTERACTION {}",
+                pair.interaction
+            )));
+        };
+        let mut keys = Vec::new();
+        if interaction.tied {
+            keys.push("tied = true".to_string());
+        } else {
+            keys.push(match (pair.clearance, pair.adjust) {
+                (Some(value), _) => format!("gap = {value:?}"),
+                (None, Some(value)) => format!("gap = {{ adjust = {value:?} }}"),
+                (None, None) => "gap = \"geometric\"".to_string(),
+            });
+            if interaction.friction.iter().any(|value| *value != 0.0) {
+                let text = expression(&interaction.friction, &self.deck.steps);
+                keys.push(format!("friction = {}", quoted(&text)));
+            }
+        }
+        let steps = self.deck.steps.clone();
+        let present: Vec<Option<f64>> = pair
+            .present
+            .iter()
+            .map(|there| there.then_some(0.0))
+            .collect();
+        let slaves = self.faces_of(&pair.slave, pair.place, "CONTACT PAIR")?;
+        let masters = self.faces_of(&pair.master, pair.place, "CONTACT PAIR")?;
+        for stretch in stretches(&present, &steps) {
+            let during = active(&stretch, &steps);
+            let during = during.strip_prefix(", ").unwrap_or_default();
+            let own: Vec<String> = keys
+                .iter()
+                .cloned()
+                .chain((!during.is_empty()).then(|| during.to_string()))
+                .collect();
+            self.between(
+                (&pair.slave, &pair.master),
+                pair.place,
+                None,
+                [&slaves, &masters],
+                &own,
+            );
+        }
+        Ok(())
+    }
+
+    /// A contact for each two bodies of two surfaces.
+    fn between(
+        &mut self,
+        (slave, master): (&str, &str),
+        place: Place,
+        name: Option<&str>,
+        [slaves, masters]: [&BTreeMap<usize, String>; 2],
+        keys: &[String],
+    ) {
+        let single = slaves.len() == 1 && masters.len() == 1;
+        let titles = [slave, master].map(|surface| clean(&self.deck.surfaces[surface].name));
+        let base = name.map_or_else(|| titles.join("-"), clean);
+        for (own, side) in slaves {
+            for (other, opposite) in masters {
+                let [a, b] = [own, other].map(|body| self.bodies.list[*body].name.clone());
+                let wanted = if single {
+                    base.clone()
+                } else {
+                    format!("{base}-{a}-{b}")
+                };
+                let name = self.names.fresh(&wanted);
+                self.text.line(place, "[[contact]]");
+                self.text.line(place, &format!("name = \"{name}\""));
+                self.text
+                    .line(place, &format!("nonmortar = \"{a}.{side}\""));
+                self.text
+                    .line(place, &format!("mortar = \"{b}.{opposite}\""));
+                keys.iter().for_each(|key| self.text.line(place, key));
+                self.text.line(place, "");
+                self.contacts.push(Named {
+                    name,
+                    slave: slave.to_string(),
+                    master: master.to_string(),
+                });
+            }
+        }
+    }
+
+    fn ties(&mut self) -> Result<(), Fault> {
+        let ties = std::mem::take(&mut self.deck.ties);
+        for tie in &ties {
+            let slaves = self.faces_of(&tie.slave, tie.place, "TIE")?;
+            let masters = self.faces_of(&tie.master, tie.place, "TIE")?;
+            let tolerance = tie.tolerance.unwrap_or_else(|| TIED * self.edge(&slaves));
+            let keys = ["tied = true".to_string(), format!("reach = {tolerance:?}")];
+            self.between(
+                (&tie.slave, &tie.master),
+                tie.place,
+                Some(&tie.name),
+                [&slaves, &masters],
+                &keys,
+            );
+        }
+        self.deck.ties = ties;
+        Ok(())
+    }
+
+    /// The mean edge of the faces of some sides.
+    fn edge(&self, sides: &BTreeMap<usize, String>) -> f64 {
+        let faces = self
+            .sides
+            .iter()
+            .filter(|((body, _), name)| sides.get(body) == Some(name));
+        let (mut sum, mut count) = (0.0, 0);
+        for face in faces.flat_map(|((_, faces), _)| faces) {
+            let nodes = &self.deck.elements[face.0 as usize].nodes;
+            let corners = self.deck.shape(face.0).faces[face.1];
+            let ends = corners.iter().zip(corners.iter().cycle().skip(1));
+            for (a, b) in ends.take(if corners.len() == 2 { 1 } else { corners.len() }) {
+                let [p, q] = [a, b].map(|k| self.deck.points[nodes[*k] as usize]);
+                sum += (0..3).map(|d| (p[d] - q[d]).powi(2)).sum::<f64>().sqrt();
+                count += 1;
+            }
+        }
+        sum / f64::from(count.max(1))
+    }
+}
+
+/// Refuses a support that begins in a later step with a displacement of its own.
+fn late(course: &Course, freedom: u8) -> Result<(), Fault> {
+    let begins = course.values.iter().position(Option::is_some).unwrap_or(0);
+    let again = course.values[begins..]
+        .windows(2)
+        .any(|pair| pair[0].is_none() && pair[1].is_some());
+    if (begins == 0 && !again) || course.fixed {
+        return Ok(());
+    }
+    let message = format!(
+        "degree of freedom {freedom} of {} is held from step {} on, by its displacement since the beginning: that is not supported; hold it in the first step, or where it is (FIXED)",
+        course.of,
+        begins + 1
+    );
+    Err(Fault {
+        place: course.place,
+        keyword: "BOUNDARY".to_string(),
+        message,
+    })
+}
+
+fn axis(freedom: u8) -> &'static str {
+    ["x", "y", "z"][usize::from(freedom.clamp(1, 3)) - 1]
+}
+
+fn list(values: &[f64]) -> String {
+    let values: Vec<String> = values.iter().map(|value| format!("{value:?}")).collect();
+    format!("[{}]", values.join(", "))
+}
+
+/// a + b x + c y + d z through all values, or `None`.
+fn linear(points: &[[f64; 3]], values: &[f64]) -> Option<[f64; 4]> {
+    let largest = values.iter().fold(0.0f64, |s, v| s.max(v.abs()));
+    let close = |fit: &[f64; 4]| {
+        let misses = points
+            .iter()
+            .zip(values)
+            .map(|(p, v)| fit[0] + fit[1] * p[0] + fit[2] * p[1] + fit[3] * p[2] - v);
+        misses.fold(0.0f64, |s, miss| s.max(miss.abs())) <= SAME * largest
+    };
+    let constant = [values.first().copied().unwrap_or(0.0), 0.0, 0.0, 0.0];
+    if close(&constant) {
+        return Some(constant);
+    }
+    // normal equations about the first point, with a little of the identity for axes without extent
+    let origin = points[0];
+    let row = |p: &[f64; 3]| [1.0, p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
+    let mut matrix = [[0.0; 5]; 4];
+    for (p, v) in points.iter().zip(values) {
+        let row = row(p);
+        for i in 0..4 {
+            (0..4).for_each(|j| matrix[i][j] += row[i] * row[j]);
+            matrix[i][4] += row[i] * v;
+        }
+    }
+    for i in 0..4 {
+        let pivot = matrix[i][i];
+        if pivot
+            <= 1e-12
+                * points.len() as f64
+                * matrix[i][..4].iter().fold(0.0f64, |s, x| s.max(x.abs()))
+            || pivot == 0.0
+        {
+            // no extent along this axis
+            matrix[i] = [0.0; 5];
+            matrix[i][i] = 1.0;
+        }
+        let pivot = matrix[i][i];
+        for j in 0..5 {
+            matrix[i][j] /= pivot;
+        }
+        let own = matrix[i];
+        for (k, other) in matrix.iter_mut().enumerate() {
+            if k != i {
+                let factor = other[i];
+                (0..5).for_each(|j| other[j] -= factor * own[j]);
+            }
+        }
+    }
+    let slopes = [matrix[1][4], matrix[2][4], matrix[3][4]];
+    let at_origin = matrix[0][4] - (0..3).map(|d| slopes[d] * origin[d]).sum::<f64>();
+    let fit = [at_origin, slopes[0], slopes[1], slopes[2]];
+    close(&fit).then_some(fit)
+}

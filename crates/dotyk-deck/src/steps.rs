@@ -1,0 +1,1069 @@
+//! The second pass: materials, contact, and the steps with what holds and loads the model at the end of each.
+//!
+//! Loads, supports and temperatures stay until they are changed. OP=NEW takes away all of the same keyword. A load that a step
+//! names replaces that of earlier steps; named twice in one step, its parts add (as in CalculiX). Amplitudes and ramps count
+//! by their value at the end of a step.
+
+use crate::deck::*;
+use crate::error::Fault;
+use crate::keywords::{Becomes, entry};
+use crate::lines::{Card, Place, Row, folded};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Values over the steps, from one line of the deck.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Course {
+    /// The line that brought it, and the name of the set in that line.
+    pub place: Place,
+    pub of: String,
+    /// One for each step; `None` where it is not there.
+    pub values: Vec<Option<f64>>,
+    /// It holds what was reached before.
+    pub fixed: bool,
+}
+
+/// What a value at a step depends on.
+#[derive(Debug, Clone)]
+struct Current {
+    place: Place,
+    of: String,
+    parts: Vec<(f64, Option<String>)>,
+    fixed: bool,
+}
+
+/// Courses by what they act on.
+#[derive(Debug)]
+pub(crate) struct Courses<K> {
+    now: BTreeMap<K, Current>,
+    touched: BTreeSet<K>,
+    /// The courses.
+    pub all: BTreeMap<K, Course>,
+}
+
+impl<K> Default for Courses<K> {
+    fn default() -> Self {
+        Self {
+            now: BTreeMap::new(),
+            touched: BTreeSet::new(),
+            all: BTreeMap::new(),
+        }
+    }
+}
+
+impl<K: Ord + Clone> Courses<K> {
+    /// A value from a line. With `adds` a second one in the same step adds to the first.
+    fn give(
+        &mut self,
+        key: K,
+        (place, of): (Place, &str),
+        part: (f64, Option<String>),
+        adds: bool,
+    ) {
+        let first = self.touched.insert(key.clone());
+        match self.now.get_mut(&key) {
+            Some(current) if adds && !first => current.parts.push(part),
+            _ => {
+                let (of, parts) = (of.to_string(), vec![part]);
+                self.now.insert(
+                    key,
+                    Current {
+                        place,
+                        of,
+                        parts,
+                        fixed: false,
+                    },
+                );
+            }
+        }
+    }
+
+    /// Takes away what is there.
+    fn clear(&mut self) {
+        self.now.clear();
+        self.touched.clear();
+    }
+
+    /// Writes down the values at the end of a step.
+    fn end(&mut self, step: usize, factor: impl Fn(&Option<String>) -> f64) {
+        for (key, current) in &self.now {
+            let value = current
+                .parts
+                .iter()
+                .map(|(value, amplitude)| value * factor(amplitude))
+                .sum();
+            let course = self.all.entry(key.clone()).or_insert_with(|| Course {
+                place: current.place,
+                of: current.of.clone(),
+                values: Vec::new(),
+                fixed: current.fixed,
+            });
+            course.values.resize(step, None);
+            course.values.push(Some(value));
+        }
+        self.touched.clear();
+    }
+
+    /// Gives all courses a value for each of the steps.
+    fn close(&mut self, steps: usize) {
+        for course in self.all.values_mut() {
+            course.values.resize(steps, None);
+        }
+    }
+}
+
+/// What is written of a step.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Request {
+    pub place: Place,
+    /// `NODE PRINT` and so on; `NODE FILE` for its other name, too.
+    pub keyword: String,
+    pub set: Option<String>,
+    pub totals: Option<String>,
+    /// Names of results in capitals.
+    pub quantities: Vec<String>,
+}
+
+/// A step.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Step {
+    pub place: Place,
+    pub nlgeom: bool,
+    /// Time at its end, and since its beginning.
+    pub time: f64,
+    pub period: f64,
+    pub requests: Vec<Request>,
+}
+
+/// What acts in the steps.
+#[derive(Debug, Default)]
+pub(crate) struct Acting {
+    /// By node and degree of freedom, from 1.
+    pub held: Courses<(Index, u8)>,
+    pub forces: Courses<(Index, u8)>,
+    /// Pressure by face, of *DLOAD and of *DSLOAD.
+    pub pressures: Courses<Face>,
+    pub surfaces: Courses<String>,
+    /// Acceleration by set of elements and axis.
+    pub gravity: Courses<(String, u8)>,
+    pub temperatures: Courses<Index>,
+}
+
+/// Reads materials, contacts and steps into a deck.
+///
+/// Errors: the first mistake, at its line.
+pub(crate) fn read(deck: &mut Deck, cards: &[Card]) -> Result<(), Fault> {
+    let mut reader = Reader {
+        deck,
+        step: None,
+        material: None,
+        interaction: None,
+        requests: Vec::new(),
+        asked: BTreeSet::new(),
+    };
+    for (at, card) in cards.iter().enumerate() {
+        reader.card(card, cards.get(at + 1))?;
+    }
+    if let Some(step) = &reader.step {
+        let message = "the step has no *END STEP".to_string();
+        return Err(Fault {
+            place: step.place,
+            keyword: "STEP".to_string(),
+            message,
+        });
+    }
+    let count = reader.deck.steps.len();
+    if count == 0 {
+        let place = cards
+            .last()
+            .map_or(Place { file: 0, line: 1 }, |card| card.place);
+        let message = "the deck has no *STEP: nothing is solved".to_string();
+        return Err(Fault {
+            place,
+            keyword: String::new(),
+            message,
+        });
+    }
+    let acting = &mut reader.deck.acting;
+    acting.held.close(count);
+    acting.forces.close(count);
+    acting.pressures.close(count);
+    acting.surfaces.close(count);
+    acting.gravity.close(count);
+    acting.temperatures.close(count);
+    Ok(())
+}
+
+struct Reader<'d> {
+    deck: &'d mut Deck,
+    step: Option<Step>,
+    material: Option<String>,
+    interaction: Option<String>,
+    /// Requests that stand, and those keywords that this step has replaced.
+    requests: Vec<Request>,
+    asked: BTreeSet<String>,
+}
+
+impl Reader<'_> {
+    fn card(&mut self, card: &Card, next: Option<&Card>) -> Result<(), Fault> {
+        if let Some((_, _, Becomes::Ignored(why))) = entry(&card.keyword) {
+            self.deck
+                .note(card.place, &card.keyword, &format!("passed over, {why}"));
+            return Ok(());
+        }
+        match card.keyword.as_str() {
+            "HEADING" => {
+                let lines = card.rows.iter().map(|row| row.fields.join(", "));
+                self.deck.title = lines.collect::<Vec<_>>().join(" ").trim().to_string();
+                Ok(())
+            }
+            "MATERIAL" => self.material(card),
+            "ELASTIC" | "DENSITY" | "EXPANSION" => self.property(card),
+            "SOLID SECTION" => self.section(card),
+            "SURFACE INTERACTION" => self.interaction(card),
+            "SURFACE BEHAVIOR" => self.behaviour(card),
+            "FRICTION" => self.friction(card),
+            "CHANGE FRICTION" => {
+                let name = self.named(card, "INTERACTION")?;
+                if !self.deck.interactions.contains_key(&folded(&name)) {
+                    return Err(unknown(
+                        card,
+                        card.place,
+                        &format!("INTERACTION `{name}`"),
+                        &name,
+                        &self.deck.interactions,
+                    ));
+                }
+                self.interaction = Some(folded(&name));
+                Ok(())
+            }
+            "CONTACT PAIR" => self.pair(card),
+            "CLEARANCE" => self.clearance(card),
+            "TIE" => self.tie(card),
+            "COUPLING" => self.coupling(card, next),
+            "KINEMATIC" | "DISTRIBUTING" => self.motion(card),
+            "RIGID BODY" => self.rigid(card),
+            "INITIAL CONDITIONS" => self.initial(card),
+            "AMPLITUDE" => self.amplitude(card),
+            "STEP" => self.begin(card),
+            "STATIC" => self.statics(card),
+            "END STEP" => self.end(card),
+            "BOUNDARY" => self.boundary(card),
+            "CLOAD" => self.cload(card),
+            "DLOAD" => self.dload(card),
+            "DSLOAD" => self.dsload(card),
+            "TEMPERATURE" => self.temperature(card),
+            "MODEL CHANGE" => self.change(card),
+            "NODE PRINT" | "EL PRINT" | "CONTACT PRINT" | "NODE FILE" | "NODE OUTPUT"
+            | "EL FILE" | "ELEMENT OUTPUT" | "CONTACT FILE" | "CONTACT OUTPUT" => {
+                self.request(card)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn named(&self, card: &Card, parameter: &str) -> Result<String, Fault> {
+        let name = card.get(parameter).filter(|name| !name.is_empty());
+        name.map(str::to_string)
+            .ok_or_else(|| card.fault(format!("{parameter}=NAME is missing")))
+    }
+
+    fn one_row<'c>(&self, card: &'c Card) -> Result<&'c Row, Fault> {
+        match &card.rows[..] {
+            [row] => Ok(row),
+            [] => Err(card.fault("the line of data is missing")),
+            [_, second, ..] => Err(card.fault_at(second.place, "one line of data is enough: properties that depend on temperature are not supported")),
+        }
+    }
+
+    fn material(&mut self, card: &Card) -> Result<(), Fault> {
+        let name = self.named(card, "NAME")?;
+        let material = Material {
+            name: name.clone(),
+            place: card.place,
+            ..Material::default()
+        };
+        if self
+            .deck
+            .materials
+            .insert(folded(&name), material)
+            .is_some()
+        {
+            return Err(card.fault(format!("there are two materials {name}")));
+        }
+        self.material = Some(folded(&name));
+        Ok(())
+    }
+
+    fn property(&mut self, card: &Card) -> Result<(), Fault> {
+        let name = self
+            .material
+            .clone()
+            .ok_or_else(|| card.fault("it belongs below *MATERIAL"))?;
+        let isotropic = card
+            .word("TYPE")
+            .is_none_or(|kind| kind == "ISO" || kind == "ISOTROPIC");
+        if !isotropic {
+            return Err(card.fault("materials are isotropic: TYPE=ISO"));
+        }
+        let row = self.one_row(card)?;
+        let material = self.deck.materials.entry(name).or_default();
+        match card.keyword.as_str() {
+            "ELASTIC" => {
+                let young = row.number(card, 0, "Young's modulus")?;
+                let poisson = row.number(card, 1, "Poisson's ratio")?;
+                if young <= 0.0 || !(poisson > -1.0 && poisson < 0.5) {
+                    let message = format!(
+                        "E must be positive and ν in (-1, 0.5), found {young} and {poisson}"
+                    );
+                    return Err(card.fault_at(row.place, message));
+                }
+                material.elastic = Some([young, poisson]);
+            }
+            "DENSITY" => material.density = Some(row.number(card, 0, "the density")?),
+            _ => material.expansion = Some(row.number(card, 0, "the coefficient of expansion")?),
+        }
+        Ok(())
+    }
+
+    fn section(&mut self, card: &Card) -> Result<(), Fault> {
+        let set = self.named(card, "ELSET")?;
+        let material = self.named(card, "MATERIAL")?;
+        if !self.deck.element_sets.contains_key(&folded(&set)) {
+            return Err(unknown(
+                card,
+                card.place,
+                &format!("ELSET `{set}`"),
+                &set,
+                &self.deck.element_sets,
+            ));
+        }
+        let row = card.rows.first();
+        let thickness = row.filter(|row| !row.field(0).is_empty());
+        let thickness = thickness
+            .map(|row| row.number(card, 0, "the thickness"))
+            .transpose()?;
+        if let (Some(value), Some(row)) = (thickness.filter(|t| *t <= 0.0), row) {
+            return Err(card.fault_at(
+                row.place,
+                format!("the thickness must be positive, found {value}"),
+            ));
+        }
+        self.deck.sections.push(Section {
+            set,
+            material,
+            thickness,
+            place: card.place,
+        });
+        Ok(())
+    }
+
+    fn interaction(&mut self, card: &Card) -> Result<(), Fault> {
+        let name = self.named(card, "NAME")?;
+        let interaction = Interaction::default();
+        if self
+            .deck
+            .interactions
+            .insert(folded(&name), interaction)
+            .is_some()
+        {
+            return Err(card.fault(format!("there are two interactions {name}")));
+        }
+        self.interaction = Some(folded(&name));
+        Ok(())
+    }
+
+    fn current(&mut self, card: &Card) -> Result<&mut Interaction, Fault> {
+        let name = self.interaction.clone();
+        let name = name.ok_or_else(|| card.fault("it belongs below *SURFACE INTERACTION"))?;
+        Ok(self.deck.interactions.entry(name).or_default())
+    }
+
+    fn behaviour(&mut self, card: &Card) -> Result<(), Fault> {
+        let word = card
+            .word("PRESSURE-OVERCLOSURE")
+            .unwrap_or("HARD".to_string());
+        let tied = match word.as_str() {
+            "HARD" => false,
+            "LINEAR" | "EXPONENTIAL" | "TABULAR" => {
+                self.deck.note(
+                    card.place,
+                    &card.keyword,
+                    &format!("{word} becomes hard contact, without a slope"),
+                );
+                false
+            }
+            "TIED" => true,
+            _ => return Err(card.fault(format!(
+                "PRESSURE-OVERCLOSURE={word}: known are HARD, LINEAR, EXPONENTIAL, TABULAR, TIED"
+            ))),
+        };
+        let interaction = self.current(card)?;
+        (interaction.tied, interaction.behaves) = (tied, true);
+        Ok(())
+    }
+
+    fn friction(&mut self, card: &Card) -> Result<(), Fault> {
+        let row = self.one_row(card)?;
+        let value = row.number(card, 0, "the coefficient of friction")?;
+        if value < 0.0 {
+            return Err(card.fault_at(
+                row.place,
+                format!("the coefficient of friction must not be negative, found {value}"),
+            ));
+        }
+        if !row.field(1).is_empty() {
+            self.deck.note(
+                card.place,
+                &card.keyword,
+                "the slope of sticking is passed over: what sticks does not slip",
+            );
+        }
+        let step = self.deck.steps.len();
+        let friction = &mut self.current(card)?.friction;
+        let before = friction.last().copied().unwrap_or(value);
+        friction.resize(step, before);
+        friction.push(value);
+        Ok(())
+    }
+
+    fn surface(&self, card: &Card, row: &Row, at: usize) -> Result<String, Fault> {
+        let name = row.field(at);
+        match self.deck.surfaces.contains_key(&folded(name)) {
+            true => Ok(folded(name)),
+            false => Err(unknown(
+                card,
+                row.place,
+                &format!("surface `{name}`"),
+                name,
+                &self.deck.surfaces,
+            )),
+        }
+    }
+
+    fn pair(&mut self, card: &Card) -> Result<(), Fault> {
+        let interaction = folded(&self.named(card, "INTERACTION")?);
+        let adjust = match card.get("ADJUST") {
+            None => None,
+            Some(text) => Some(
+                crate::lines::number(text)
+                    .filter(|value| *value >= 0.0)
+                    .ok_or_else(|| {
+                        card.fault(format!(
+                            "ADJUST={text}: a length is expected; sets of nodes are not supported"
+                        ))
+                    })?,
+            ),
+        };
+        if let Some(word) = card.word("TYPE") {
+            const TYPES: [&str; 6] = [
+                "NODETOSURFACE",
+                "SURFACETOSURFACE",
+                "MORTAR",
+                "LINMORTAR",
+                "PGLINMORTAR",
+                "MASSLESS",
+            ];
+            if !TYPES.contains(&word.as_str()) {
+                return Err(card.fault(format!(
+                    "TYPE={word}: known are NODE TO SURFACE, SURFACE TO SURFACE, MORTAR"
+                )));
+            }
+        }
+        if card.rows.is_empty() {
+            return Err(card.fault("the line with the two surfaces is missing"));
+        }
+        for row in &card.rows {
+            let (slave, master) = (self.surface(card, row, 0)?, self.surface(card, row, 1)?);
+            if self.deck.surfaces[&master].nodes.is_some() {
+                return Err(
+                    card.fault_at(row.place, "the second surface must be one of element faces")
+                );
+            }
+            self.deck.pairs.push(Pair {
+                place: row.place,
+                slave,
+                master,
+                interaction: interaction.clone(),
+                adjust,
+                clearance: None,
+                present: Vec::new(),
+            });
+        }
+        Ok(())
+    }
+
+    fn clearance(&mut self, card: &Card) -> Result<(), Fault> {
+        let sides =
+            ["MASTER", "SLAVE"].map(|side| self.named(card, side).map(|name| folded(&name)));
+        let [master, slave] = sides;
+        let (master, slave) = (master?, slave?);
+        let text = self.named(card, "VALUE")?;
+        let value = crate::lines::number(&text)
+            .ok_or_else(|| card.fault(format!("VALUE={text} is no number")))?;
+        let mut pairs = self.deck.pairs.iter_mut();
+        match pairs.find(|pair| pair.slave == slave && pair.master == master) {
+            Some(pair) => pair.clearance = Some(value),
+            None => return Err(card.fault("there is no such *CONTACT PAIR above")),
+        }
+        Ok(())
+    }
+
+    fn tie(&mut self, card: &Card) -> Result<(), Fault> {
+        let name = card.get("NAME").unwrap_or("tie").to_string();
+        let tolerance = card.get("POSITION TOLERANCE");
+        let tolerance = tolerance.map(|text| {
+            crate::lines::number(text)
+                .ok_or_else(|| card.fault(format!("POSITION TOLERANCE={text} is no number")))
+        });
+        let tolerance = tolerance.transpose()?;
+        for row in &card.rows {
+            let (slave, master) = (self.surface(card, row, 0)?, self.surface(card, row, 1)?);
+            self.deck.ties.push(Tie {
+                place: row.place,
+                name: name.clone(),
+                slave,
+                master,
+                tolerance,
+            });
+        }
+        match card.rows.is_empty() {
+            true => Err(card.fault("the line with the two surfaces is missing")),
+            false => Ok(()),
+        }
+    }
+
+    fn reference(&self, card: &Card, parameter: &str) -> Result<Index, Fault> {
+        let text = self.named(card, parameter)?;
+        match text.parse::<u64>() {
+            Ok(number) => self.deck.node(card, card.place, number),
+            Err(_) => match &self.deck.node_set(card, card.place, &text)?.members[..] {
+                [node] => Ok(*node),
+                members => Err(card.fault(format!(
+                    "{parameter}={text} has {} nodes, one is needed",
+                    members.len()
+                ))),
+            },
+        }
+    }
+
+    fn coupling(&mut self, card: &Card, next: Option<&Card>) -> Result<(), Fault> {
+        let surface = self.named(card, "SURFACE")?;
+        let Some(found) = self.deck.surfaces.get(&folded(&surface)) else {
+            return Err(unknown(
+                card,
+                card.place,
+                &format!("surface `{surface}`"),
+                &surface,
+                &self.deck.surfaces,
+            ));
+        };
+        let nodes = match &found.nodes {
+            Some(nodes) => nodes.clone(),
+            None => found
+                .faces
+                .iter()
+                .flat_map(|face| self.deck.face_nodes(*face))
+                .collect(),
+        };
+        if card.get("ORIENTATION").is_some() {
+            return Err(card.fault("ORIENTATION: degrees of freedom are along the global axes"));
+        }
+        if !next.is_some_and(|next| ["KINEMATIC", "DISTRIBUTING"].contains(&next.keyword.as_str()))
+        {
+            return Err(card.fault("*KINEMATIC or *DISTRIBUTING must follow"));
+        }
+        let reference = self.reference(card, "REF NODE")?;
+        self.deck.couplings.push(Coupling {
+            place: card.place,
+            name: card.get("CONSTRAINT NAME").unwrap_or(&surface).to_string(),
+            reference,
+            rotation: None,
+            nodes,
+            motion: None,
+            of: surface,
+        });
+        Ok(())
+    }
+
+    fn motion(&mut self, card: &Card) -> Result<(), Fault> {
+        let motion = if card.keyword == "KINEMATIC" {
+            Motion::Rigid
+        } else {
+            Motion::Average
+        };
+        let whole = card.rows.iter().all(|row| {
+            let first = row.field(0).parse::<u8>().unwrap_or(1);
+            let last = row.field(1).parse::<u8>().unwrap_or(first);
+            motion == Motion::Average || (first <= 1 && last >= 3)
+        });
+        let by_parts = card.rows.len() == 3
+            && (1..=3).all(|k| card.rows.iter().any(|row| row.field(0) == k.to_string()));
+        if !whole && !by_parts {
+            return Err(card.fault("all of the degrees of freedom 1 to 3 must be coupled"));
+        }
+        match self
+            .deck
+            .couplings
+            .last_mut()
+            .filter(|coupling| coupling.motion.is_none())
+        {
+            Some(coupling) => coupling.motion = Some(motion),
+            None => return Err(card.fault("it belongs below *COUPLING")),
+        }
+        Ok(())
+    }
+
+    fn rigid(&mut self, card: &Card) -> Result<(), Fault> {
+        let (of, nodes) = match (card.get("NSET"), card.get("ELSET")) {
+            (Some(name), None) => (
+                name.to_string(),
+                self.deck.node_set(card, card.place, name)?.members.clone(),
+            ),
+            (None, Some(name)) => {
+                let Some(set) = self.deck.element_sets.get(&folded(name)) else {
+                    return Err(unknown(
+                        card,
+                        card.place,
+                        &format!("ELSET `{name}`"),
+                        name,
+                        &self.deck.element_sets,
+                    ));
+                };
+                let nodes = set
+                    .members
+                    .iter()
+                    .flat_map(|e| self.deck.elements[*e as usize].nodes.clone());
+                (name.to_string(), nodes.collect())
+            }
+            _ => return Err(card.fault("NSET or ELSET is needed, and one of the two")),
+        };
+        let rotation = card
+            .get("ROT NODE")
+            .map(|_| self.reference(card, "ROT NODE"))
+            .transpose()?;
+        let reference = self.reference(card, "REF NODE")?;
+        self.deck.couplings.push(Coupling {
+            place: card.place,
+            name: of.clone(),
+            reference,
+            rotation,
+            nodes: nodes
+                .into_iter()
+                .filter(|node| *node != reference)
+                .collect(),
+            motion: Some(Motion::Rigid),
+            of,
+        });
+        Ok(())
+    }
+
+    fn initial(&mut self, card: &Card) -> Result<(), Fault> {
+        let word = card.word("TYPE").unwrap_or_default();
+        if word != "TEMPERATURE" {
+            return Err(card.fault(format!(
+                "TYPE={word} is not supported: known is TEMPERATURE"
+            )));
+        }
+        for row in &card.rows {
+            let value = row.number(card, 1, "the temperature")?;
+            for node in self.deck.nodes_of(card, row, 0)? {
+                self.deck.initial.insert(node, value);
+            }
+        }
+        Ok(())
+    }
+
+    fn amplitude(&mut self, card: &Card) -> Result<(), Fault> {
+        let name = self.named(card, "NAME")?;
+        let tabular = card.word("DEFINITION").is_none_or(|word| word == "TABULAR");
+        let relative = card.word("VALUE").is_none_or(|word| word == "RELATIVE");
+        if !tabular
+            || !relative
+            || ["SMOOTH", "SHIFTX", "SHIFTY"]
+                .iter()
+                .any(|word| card.get(word).is_some())
+        {
+            return Err(card.fault("amplitudes are tables of time and factor"));
+        }
+        let total = card.word("TIME").is_some_and(|word| word == "TOTALTIME");
+        let mut points: Vec<[f64; 2]> = Vec::new();
+        for row in &card.rows {
+            for pair in 0..row.fields.len().div_ceil(2) {
+                let point = [
+                    row.number(card, 2 * pair, "a time")?,
+                    row.number(card, 2 * pair + 1, "a factor")?,
+                ];
+                if points.last().is_some_and(|last| last[0] >= point[0]) {
+                    return Err(card.fault_at(
+                        row.place,
+                        format!(
+                            "times must ascend, found {} behind {}",
+                            point[0],
+                            points[points.len() - 1][0]
+                        ),
+                    ));
+                }
+                points.push(point);
+            }
+        }
+        if points.is_empty() {
+            return Err(card.fault("the table is empty"));
+        }
+        self.deck
+            .amplitudes
+            .insert(folded(&name), Amplitude { points, total });
+        Ok(())
+    }
+
+    fn begin(&mut self, card: &Card) -> Result<(), Fault> {
+        if let Some(step) = &self.step {
+            return Err(card.fault(format!(
+                "the step of line {} has no *END STEP",
+                step.place.line
+            )));
+        }
+        let nlgeom = card
+            .get("NLGEOM")
+            .is_some_and(|text| !["NO", "OFF"].contains(&folded(text).as_str()));
+        self.step = Some(Step {
+            place: card.place,
+            nlgeom,
+            period: 1.0,
+            ..Step::default()
+        });
+        self.asked.clear();
+        Ok(())
+    }
+
+    fn statics(&mut self, card: &Card) -> Result<(), Fault> {
+        let period = match card.rows.first() {
+            Some(row) => row.number_or(card, 1, 1.0)?,
+            None => 1.0,
+        };
+        if period <= 0.0 {
+            return Err(card.fault(format!(
+                "the time of the step must be positive, found {period}"
+            )));
+        }
+        match &mut self.step {
+            Some(step) => step.period = period,
+            None => return Err(card.fault("it belongs within a *STEP")),
+        }
+        Ok(())
+    }
+
+    fn end(&mut self, card: &Card) -> Result<(), Fault> {
+        let Some(mut step) = self.step.take() else {
+            return Err(card.fault("there is no *STEP above"));
+        };
+        let deck = &mut *self.deck;
+        let before = deck.steps.last().map_or(0.0, |step| step.time);
+        step.time = before + step.period;
+        step.requests.clone_from(&self.requests);
+        let (amplitudes, at) = (&deck.amplitudes, deck.steps.len());
+        let factor =
+            |name: &Option<String>| match name.as_ref().and_then(|name| amplitudes.get(name)) {
+                Some(amplitude) if amplitude.total => amplitude.at(step.time),
+                Some(amplitude) => amplitude.at(step.period),
+                None => 1.0,
+            };
+        let acting = &mut deck.acting;
+        acting.held.end(at, factor);
+        acting.forces.end(at, factor);
+        acting.pressures.end(at, factor);
+        acting.surfaces.end(at, factor);
+        acting.gravity.end(at, factor);
+        acting.temperatures.end(at, factor);
+        for pair in &mut deck.pairs {
+            let last = pair.present.last().copied().unwrap_or(true);
+            pair.present.resize(at + 1, last);
+        }
+        for interaction in deck.interactions.values_mut() {
+            let last = interaction.friction.last().copied().unwrap_or(0.0);
+            interaction.friction.resize(at + 1, last);
+        }
+        deck.steps.push(step);
+        Ok(())
+    }
+
+    /// The amplitude of a card, and whether it takes away what is there.
+    fn given(&self, card: &Card) -> Result<(Option<String>, bool), Fault> {
+        for (word, why) in [
+            ("TIME DELAY", "amplitudes begin with the step"),
+            ("LOAD CASE", "there is one load case"),
+        ] {
+            if card.get(word).is_some() {
+                return Err(card.fault(format!("{word}: {why}")));
+            }
+        }
+        let new = match card.word("OP").as_deref() {
+            None | Some("MOD") => false,
+            Some("NEW") => true,
+            Some(other) => return Err(card.fault(format!("OP={other}: known are MOD and NEW"))),
+        };
+        let amplitude = card.get("AMPLITUDE").map(folded);
+        if let Some(name) = &amplitude
+            && !self.deck.amplitudes.contains_key(name)
+        {
+            return Err(unknown(
+                card,
+                card.place,
+                &format!("amplitude `{name}`"),
+                name,
+                &self.deck.amplitudes,
+            ));
+        }
+        if self.step.is_none() && card.keyword != "BOUNDARY" {
+            return Err(card.fault("loads belong within a *STEP"));
+        }
+        Ok((amplitude, new))
+    }
+
+    fn boundary(&mut self, card: &Card) -> Result<(), Fault> {
+        let (amplitude, new) = self.given(card)?;
+        if card.word("TYPE").is_some_and(|word| word != "DISPLACEMENT") {
+            return Err(card.fault("displacements are prescribed: TYPE=DISPLACEMENT"));
+        }
+        if new {
+            self.deck.acting.held.clear();
+        }
+        let fixed = card.get("FIXED").is_some();
+        for row in &card.rows {
+            let (first, last) = self.freedoms(card, row)?;
+            let value = row.number_or(card, 3, 0.0)?;
+            for node in self.deck.nodes_of(card, row, 0)? {
+                for freedom in first..=last {
+                    let held = &mut self.deck.acting.held;
+                    held.give(
+                        (node, freedom),
+                        (row.place, row.field(0)),
+                        (value, amplitude.clone()),
+                        false,
+                    );
+                    if let Some(current) = held.now.get_mut(&(node, freedom)) {
+                        current.fixed = fixed;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The degrees of freedom of a line of *BOUNDARY.
+    fn freedoms(&self, card: &Card, row: &Row) -> Result<(u8, u8), Fault> {
+        let word = folded(row.field(1));
+        match word.as_str() {
+            "ENCASTRE" | "PINNED" => return Ok((1, 3)),
+            "XSYMM" => return Ok((1, 1)),
+            "YSYMM" => return Ok((2, 2)),
+            "ZSYMM" => return Ok((3, 3)),
+            _ => {}
+        }
+        let freedom = |at: usize| -> Result<u8, Fault> {
+            let text = row.field(at);
+            let known = text.parse::<u8>().ok().filter(|k| (1..=6).contains(k));
+            known.ok_or_else(|| {
+                card.fault_at(
+                    row.place,
+                    format!(
+                        "expected a degree of freedom from 1 to 6 in field {}, found `{text}`",
+                        at + 1
+                    ),
+                )
+            })
+        };
+        let first = freedom(1)?;
+        let last = if row.field(2).is_empty() {
+            first
+        } else {
+            freedom(2)?
+        };
+        match first <= last {
+            true => Ok((first, last)),
+            false => Err(card.fault_at(
+                row.place,
+                format!("degrees of freedom {first} to {last}: the first is the smaller"),
+            )),
+        }
+    }
+
+    fn cload(&mut self, card: &Card) -> Result<(), Fault> {
+        let (amplitude, new) = self.given(card)?;
+        if new {
+            self.deck.acting.forces.clear();
+        }
+        for row in &card.rows {
+            let (freedom, _) = self.freedoms(card, row)?;
+            let value = row.number(card, 2, "the force")?;
+            for node in self.deck.nodes_of(card, row, 0)? {
+                let from = (row.place, row.field(0));
+                self.deck.acting.forces.give(
+                    (node, freedom),
+                    from,
+                    (value, amplitude.clone()),
+                    true,
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn dload(&mut self, card: &Card) -> Result<(), Fault> {
+        let (amplitude, new) = self.given(card)?;
+        if new {
+            self.deck.acting.pressures.clear();
+            self.deck.acting.gravity.clear();
+        }
+        for row in &card.rows {
+            let label = folded(row.field(1));
+            let value = row.number(card, 2, "the load")?;
+            let from = (row.place, row.field(0));
+            if label == "GRAV" {
+                self.gravity(card, row, value, &amplitude)?;
+                continue;
+            }
+            let number = label
+                .strip_prefix('P')
+                .and_then(|text| text.parse::<usize>().ok());
+            let Some(face) = number.filter(|number| *number > 0) else {
+                let message = format!("`{label}` is not supported: known are P1, P2, .. and GRAV");
+                return Err(card.fault_at(row.place, message));
+            };
+            for element in self.deck.elements_of(card, row)? {
+                let face = self.deck.face(card, row.place, element, face - 1)?;
+                self.deck
+                    .acting
+                    .pressures
+                    .give(face, from, (value, amplitude.clone()), true);
+            }
+        }
+        Ok(())
+    }
+
+    fn gravity(
+        &mut self,
+        card: &Card,
+        row: &Row,
+        value: f64,
+        amplitude: &Option<String>,
+    ) -> Result<(), Fault> {
+        let mut way = [0.0; 3];
+        for (d, x) in way.iter_mut().enumerate() {
+            *x = row.number_or(card, 3 + d, 0.0)?;
+        }
+        let size = way.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if size == 0.0 {
+            return Err(card.fault_at(row.place, "GRAV needs a direction in fields 4 to 6"));
+        }
+        self.deck.elements_of(card, row)?;
+        let (set, from) = (folded(row.field(0)), (row.place, row.field(0)));
+        for (d, x) in way.iter().enumerate() {
+            let part = (value * x / size, amplitude.clone());
+            self.deck
+                .acting
+                .gravity
+                .give((set.clone(), d as u8 + 1), from, part, false);
+        }
+        Ok(())
+    }
+
+    fn dsload(&mut self, card: &Card) -> Result<(), Fault> {
+        let (amplitude, new) = self.given(card)?;
+        if new {
+            self.deck.acting.surfaces.clear();
+        }
+        for row in &card.rows {
+            let name = self.surface(card, row, 0)?;
+            if self.deck.surfaces[&name].nodes.is_some() {
+                return Err(card.fault_at(row.place, "a pressure needs a surface of element faces"));
+            }
+            let label = folded(row.field(1));
+            if label != "P" {
+                return Err(
+                    card.fault_at(row.place, format!("`{label}` is not supported: known is P"))
+                );
+            }
+            let value = row.number(card, 2, "the pressure")?;
+            let from = (row.place, row.field(0));
+            self.deck
+                .acting
+                .surfaces
+                .give(name, from, (value, amplitude.clone()), true);
+        }
+        Ok(())
+    }
+
+    fn temperature(&mut self, card: &Card) -> Result<(), Fault> {
+        let (amplitude, new) = self.given(card)?;
+        if new {
+            self.deck.acting.temperatures.clear();
+        }
+        for row in &card.rows {
+            let value = row.number(card, 1, "the temperature")?;
+            for node in self.deck.nodes_of(card, row, 0)? {
+                let from = (row.place, row.field(0));
+                self.deck
+                    .acting
+                    .temperatures
+                    .give(node, from, (value, amplitude.clone()), false);
+            }
+        }
+        Ok(())
+    }
+
+    fn change(&mut self, card: &Card) -> Result<(), Fault> {
+        let step = self.deck.steps.len();
+        if self.step.is_none() {
+            return Err(card.fault("it belongs within a *STEP"));
+        }
+        let there = match (card.get("ADD"), card.get("REMOVE")) {
+            (Some(_), None) => true,
+            (None, Some(_)) => false,
+            _ => return Err(card.fault("ADD or REMOVE is needed")),
+        };
+        if card.word("TYPE").is_none_or(|word| word != "CONTACTPAIR") {
+            return Err(card.fault("TYPE=CONTACT PAIR is supported; elements that come and go are `active` of a body in a case"));
+        }
+        for row in &card.rows {
+            let (slave, master) = (self.surface(card, row, 0)?, self.surface(card, row, 1)?);
+            let mut pairs = self.deck.pairs.iter_mut();
+            let Some(pair) = pairs.find(|pair| pair.slave == slave && pair.master == master) else {
+                return Err(card.fault_at(row.place, "there is no such *CONTACT PAIR"));
+            };
+            let before = pair.present.last().copied().unwrap_or(true);
+            pair.present.resize(step, before);
+            pair.present.push(there);
+        }
+        Ok(())
+    }
+
+    fn request(&mut self, card: &Card) -> Result<(), Fault> {
+        let keyword = match card.keyword.as_str() {
+            "NODE OUTPUT" => "NODE FILE",
+            "ELEMENT OUTPUT" => "EL FILE",
+            "CONTACT OUTPUT" => "CONTACT FILE",
+            other => other,
+        };
+        if self.step.is_none() {
+            return Err(card.fault("it belongs within a *STEP"));
+        }
+        let set = card.get("NSET").or(card.get("ELSET"));
+        let fields = card.rows.iter().flat_map(|row| &row.fields);
+        let quantities: Vec<String> = fields
+            .filter(|field| !field.is_empty())
+            .map(|field| folded(field))
+            .collect();
+        // the first request of a kind in a step takes the place of those before
+        if self.asked.insert(keyword.to_string()) {
+            self.requests.retain(|request| request.keyword != keyword);
+        }
+        self.requests.push(Request {
+            place: card.place,
+            keyword: keyword.to_string(),
+            set: set.map(str::to_string),
+            totals: card.word("TOTALS"),
+            quantities,
+        });
+        Ok(())
+    }
+}
