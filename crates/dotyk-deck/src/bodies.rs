@@ -15,6 +15,8 @@ pub(crate) struct Body {
     /// In the order of the deck, which is that of the mesh.
     pub nodes: Vec<Index>,
     pub boundary: Vec<Face>,
+    /// Faces of the boundary, as indices there, at each node that is on it.
+    pub at_node: HashMap<Index, Vec<usize>>,
     /// Sections in the order of the deck, and the name of the group of their cells.
     pub sections: Vec<(usize, String)>,
 }
@@ -83,11 +85,19 @@ impl Bodies {
                     .iter()
                     .map(|section| (*section, group(section)))
                     .collect(),
+                at_node: HashMap::new(),
                 boundary: boundary(deck, elements),
                 elements: elements.clone(),
                 nodes: Vec::new(),
                 name: name.clone(),
             });
+        }
+        for body in &mut list {
+            for (place, &face) in body.boundary.iter().enumerate() {
+                for node in deck.face_nodes(face) {
+                    body.at_node.entry(node).or_default().push(place);
+                }
+            }
         }
         for (node, body) in of_node.iter().enumerate() {
             if let Some(body) = body {

@@ -2,7 +2,7 @@
 
 use crate::bodies::{Bodies, Body};
 use crate::course::{active, expression, quoted, stretches};
-use crate::deck::{Coupling, Deck, Face, Index, Motion, Pair};
+use crate::deck::{Adjust, Coupling, Deck, Face, Index, Interaction, Motion, Pair};
 use crate::error::Fault;
 use crate::lines::{Place, folded};
 use crate::msh::Groups;
@@ -201,12 +201,18 @@ impl<'d> Writer<'d> {
     /// Boundary faces of a body with all of their nodes among these, and the nodes that are on none of them.
     fn cover(&self, body: usize, nodes: &[Index]) -> (Vec<Face>, Vec<Index>) {
         let set: BTreeSet<Index> = nodes.iter().copied().collect();
+        let own = &self.bodies.list[body];
+        let near = set
+            .iter()
+            .filter_map(|node| own.at_node.get(node))
+            .flatten();
+        let near: BTreeSet<usize> = near.copied().collect();
         let mut covered = BTreeSet::new();
         let mut faces = Vec::new();
-        for &face in &self.bodies.list[body].boundary {
-            let own = self.deck.face_nodes(face);
-            if own.iter().all(|node| set.contains(node)) {
-                covered.extend(own);
+        for face in near.into_iter().map(|place| own.boundary[place]) {
+            let nodes = self.deck.face_nodes(face);
+            if nodes.iter().all(|node| set.contains(node)) {
+                covered.extend(nodes);
                 faces.push(face);
             }
         }
@@ -327,12 +333,21 @@ impl<'d> Writer<'d> {
                     .push((*freedom, course)),
             }
         }
+        // nodes that lines name by their numbers belong together where their values are the same
+        let mut first: BTreeMap<Vec<(u8, Vec<Option<u64>>)>, Place> = BTreeMap::new();
         for ((node, place), courses) in &by_node {
-            let values = courses
-                .iter()
-                .map(|(freedom, course)| (*freedom, course.key()));
-            let key = (*place, courses[0].1.of.clone(), values.collect());
-            alike.entry(key).or_default().push(*node);
+            let values = courses.iter();
+            let values = values.map(|(freedom, course)| (*freedom, course.key()));
+            let values: Vec<_> = values.collect();
+            let of = &courses[0].1.of;
+            let (place, of) = match of.parse::<u64>() {
+                Ok(_) => (*first.entry(values.clone()).or_insert(*place), "fixed"),
+                Err(_) => (*place, of.as_str()),
+            };
+            alike
+                .entry((place, of.to_string(), values))
+                .or_default()
+                .push(*node);
         }
         for ((place, of, values), nodes) in alike {
             let (by_body, loose) = self.bodies.split(&nodes);
@@ -831,6 +846,61 @@ impl<'d> Writer<'d> {
         Ok(())
     }
 
+    /// The key `gap` of a pair.
+    fn gap(&self, pair: &Pair) -> Result<String, Fault> {
+        let nodes = match (pair.clearance, &pair.adjust) {
+            (Some(value), _) => return Ok(format!("gap = {value:?}")),
+            (None, None) => return Ok("gap = \"geometric\"".to_string()),
+            (None, Some(Adjust::UpTo(value))) => {
+                return Ok(format!("gap = {{ adjust = {value:?} }}"));
+            }
+            (None, Some(Adjust::Nodes(nodes))) => nodes,
+        };
+        let adjusted: BTreeSet<&Index> = nodes.iter().collect();
+        let surface = &self.deck.surfaces[&pair.slave];
+        let own = match &surface.nodes {
+            Some(nodes) => nodes.clone(),
+            None => surface
+                .faces
+                .iter()
+                .flat_map(|face| self.deck.face_nodes(*face))
+                .collect(),
+        };
+        match own.iter().find(|node| !adjusted.contains(node)) {
+            None => Ok("gap = \"closed\"".to_string()),
+            Some(node) => {
+                let number = self.deck.numbers[*node as usize];
+                let message = format!(
+                    "ADJUST names some nodes of surface {} only, node {number} is not among them: name all, or give a length",
+                    surface.name
+                );
+                Err(Fault {
+                    place: pair.place,
+                    keyword: "CONTACT PAIR".to_string(),
+                    message,
+                })
+            }
+        }
+    }
+
+    /// The keys of a pair that say how it acts.
+    fn law(
+        &self,
+        pair: &Pair,
+        interaction: &Interaction,
+        tied: bool,
+    ) -> Result<Vec<String>, Fault> {
+        if tied {
+            return Ok(vec!["tied = true".to_string()]);
+        }
+        let mut keys = vec![self.gap(pair)?];
+        if interaction.friction.iter().any(|value| *value != 0.0) {
+            let text = expression(&interaction.friction, &self.deck.steps);
+            keys.push(format!("friction = {}", quoted(&text)));
+        }
+        Ok(keys)
+    }
+
     fn pair(&mut self, pair: &Pair) -> Result<(), Fault> {
         let fault = |message: String| Fault {
             place: pair.place,
@@ -843,43 +913,24 @@ impl<'d> Writer<'d> {
                 pair.interaction
             )));
         };
-        let mut keys = Vec::new();
-        if interaction.tied {
-            keys.push("tied = true".to_string());
-        } else {
-            keys.push(match (pair.clearance, pair.adjust) {
-                (Some(value), _) => format!("gap = {value:?}"),
-                (None, Some(value)) => format!("gap = {{ adjust = {value:?} }}"),
-                (None, None) => "gap = \"geometric\"".to_string(),
-            });
-            if interaction.friction.iter().any(|value| *value != 0.0) {
-                let text = expression(&interaction.friction, &self.deck.steps);
-                keys.push(format!("friction = {}", quoted(&text)));
-            }
-        }
         let steps = self.deck.steps.clone();
-        let present: Vec<Option<f64>> = pair
-            .present
-            .iter()
-            .map(|there| there.then_some(0.0))
-            .collect();
         let slaves = self.faces_of(&pair.slave, pair.place, "CONTACT PAIR")?;
         let masters = self.faces_of(&pair.master, pair.place, "CONTACT PAIR")?;
-        for stretch in stretches(&present, &steps) {
-            let during = active(&stretch, &steps);
-            let during = during.strip_prefix(", ").unwrap_or_default();
-            let own: Vec<String> = keys
-                .iter()
-                .cloned()
-                .chain((!during.is_empty()).then(|| during.to_string()))
-                .collect();
-            self.between(
-                (&pair.slave, &pair.master),
-                pair.place,
-                None,
-                [&slaves, &masters],
-                &own,
-            );
+        for tied in [true, false] {
+            let there = pair.present.iter().zip(&interaction.tied);
+            let there = there.map(|(present, own)| (*present && *own == tied).then_some(0.0));
+            for stretch in stretches(&there.collect::<Vec<_>>(), &steps) {
+                let mut keys = self.law(pair, &interaction, tied)?;
+                let during = active(&stretch, &steps);
+                keys.extend(during.strip_prefix(", ").map(str::to_string));
+                self.between(
+                    (&pair.slave, &pair.master),
+                    pair.place,
+                    None,
+                    [&slaves, &masters],
+                    &keys,
+                );
+            }
         }
         Ok(())
     }

@@ -64,8 +64,17 @@ pub(crate) struct Section {
 pub(crate) struct Interaction {
     /// Coefficient of friction at the end of each step.
     pub friction: Vec<f64>,
-    pub tied: bool,
-    pub behaves: bool,
+    /// Whether both surfaces move together, step by step.
+    pub tied: Vec<bool>,
+}
+
+/// Which gaps count as closed.
+#[derive(Debug, Clone)]
+pub(crate) enum Adjust {
+    /// Those up to a length, and overlaps.
+    UpTo(f64),
+    /// Those of some nodes.
+    Nodes(Vec<Index>),
 }
 
 #[derive(Debug)]
@@ -75,7 +84,7 @@ pub(crate) struct Pair {
     pub slave: String,
     pub master: String,
     pub interaction: String,
-    pub adjust: Option<f64>,
+    pub adjust: Option<Adjust>,
     pub clearance: Option<f64>,
     /// Whether it is there, step by step.
     pub present: Vec<bool>,

@@ -14,6 +14,7 @@ pub(crate) enum Becomes {
     Refused(&'static str),
 }
 
+use crate::lines::folded;
 use Becomes::{Ignored, Read, Refused};
 
 const TUNES: Becomes = Ignored("it tunes a solver, and there is nothing to tune");
@@ -43,7 +44,7 @@ const OUTPUT: &[&str] = &[
 ];
 
 /// Keywords, their parameters, and what becomes of them.
-pub(crate) const KEYWORDS: &[(&str, &[&str], Becomes)] = &[
+pub(crate) const KEYWORDS: &[Entry] = &[
     ("HEADING", &[], Read),
     ("NODE", &["NSET", "SYSTEM"], Read),
     ("ELEMENT", &["TYPE", "ELSET"], Read),
@@ -83,7 +84,7 @@ pub(crate) const KEYWORDS: &[(&str, &[&str], Becomes)] = &[
     ("SURFACE BEHAVIOR", &["PRESSURE-OVERCLOSURE"], Read),
     ("FRICTION", &[], Read),
     ("CHANGE FRICTION", &["INTERACTION"], Read),
-    ("CHANGE SURFACE BEHAVIOR", &["INTERACTION"], TUNES),
+    ("CHANGE SURFACE BEHAVIOR", &["INTERACTION"], Read),
     (
         "CONTACT DAMPING",
         &["DEFINITION", "TANGENT FRACTION"],
@@ -114,7 +115,15 @@ pub(crate) const KEYWORDS: &[(&str, &[&str], Becomes)] = &[
     ("CLEARANCE", &["MASTER", "SLAVE", "VALUE"], Read),
     (
         "TIE",
-        &["NAME", "POSITION TOLERANCE", "ADJUST", "TYPE"],
+        &[
+            "NAME",
+            "POSITION TOLERANCE",
+            "ADJUST",
+            "TYPE",
+            "CYCLIC SYMMETRY",
+            "MULTISTAGE",
+            "FLUID PERIODIC",
+        ],
         Read,
     ),
     (
@@ -123,7 +132,7 @@ pub(crate) const KEYWORDS: &[(&str, &[&str], Becomes)] = &[
         Read,
     ),
     ("KINEMATIC", &[], Read),
-    ("DISTRIBUTING", &["CYCLIC SYMMETRY"], Read),
+    ("DISTRIBUTING", &[], Read),
     (
         "RIGID BODY",
         &["NSET", "ELSET", "REF NODE", "ROT NODE"],
@@ -417,11 +426,19 @@ pub(crate) const KEYWORDS: &[(&str, &[&str], Becomes)] = &[
     ("SUBMODEL", &[], Refused("submodels are not supported")),
 ];
 
-/// The entry of a keyword.
-pub(crate) fn entry(
-    keyword: &str,
-) -> Option<&'static (&'static str, &'static [&'static str], Becomes)> {
-    KEYWORDS.iter().find(|(known, ..)| *known == keyword)
+/// A keyword, its parameters, and what becomes of it.
+pub(crate) type Entry = (&'static str, &'static [&'static str], Becomes);
+
+/// The entry of a keyword; blanks do not count.
+pub(crate) fn entry(keyword: &str) -> Option<&'static Entry> {
+    let word = folded(keyword);
+    KEYWORDS.iter().find(|(known, ..)| folded(known) == word)
+}
+
+/// The name of a parameter of a keyword as its entry has it; blanks do not count.
+pub(crate) fn parameter(entry: &Entry, name: &str) -> Option<&'static str> {
+    let word = folded(name);
+    entry.1.iter().copied().find(|known| folded(known) == word)
 }
 
 #[cfg(test)]

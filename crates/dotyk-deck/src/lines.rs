@@ -11,6 +11,7 @@
 //! Words are compared in capitals and without blanks, as CalculiX does; values keep their spelling. Empty lines are passed over.
 
 use crate::error::{DeckError, Fault};
+use crate::keywords::{entry, parameter};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -206,20 +207,24 @@ impl Reader {
 
     fn keyword(&mut self, place: Place, line: &str, above: &mut Vec<PathBuf>) -> Result<(), Fault> {
         let mut words = line[1..].split(',').map(str::trim);
-        let keyword = words.next().unwrap_or_default().split_whitespace();
-        let keyword: Vec<String> = keyword.map(str::to_uppercase).collect();
+        let written = words.next().unwrap_or_default().split_whitespace();
+        let written = written.collect::<Vec<_>>().join(" ").to_uppercase();
+        let entry = entry(&written);
         let parameters = words.filter(|word| !word.is_empty()).map(|word| {
             let (name, value) = word.split_once('=').unwrap_or((word, ""));
-            let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
-            (
-                name.to_uppercase(),
-                value.trim().trim_matches('"').to_string(),
-            )
+            let name = name
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" ")
+                .to_uppercase();
+            let known = entry.and_then(|entry| parameter(entry, &name));
+            let name = known.map_or(name, str::to_string);
+            (name, value.trim().trim_matches('"').to_string())
         });
         let card = Card {
             place,
-            keyword: keyword.join(" "),
             parameters: parameters.collect(),
+            keyword: entry.map_or(written, |entry| entry.0.to_string()),
             rows: Vec::new(),
         };
         if card.keyword == "INCLUDE" {

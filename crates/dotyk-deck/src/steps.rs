@@ -222,7 +222,7 @@ impl Reader<'_> {
             "SURFACE INTERACTION" => self.interaction(card),
             "SURFACE BEHAVIOR" => self.behaviour(card),
             "FRICTION" => self.friction(card),
-            "CHANGE FRICTION" => {
+            "CHANGE FRICTION" | "CHANGE SURFACE BEHAVIOR" => {
                 let name = self.named(card, "INTERACTION")?;
                 if !self.deck.interactions.contains_key(&folded(&name)) {
                     return Err(unknown(
@@ -397,8 +397,11 @@ impl Reader<'_> {
                 "PRESSURE-OVERCLOSURE={word}: known are HARD, LINEAR, EXPONENTIAL, TABULAR, TIED"
             ))),
         };
-        let interaction = self.current(card)?;
-        (interaction.tied, interaction.behaves) = (tied, true);
+        let step = self.deck.steps.len();
+        let own = &mut self.current(card)?.tied;
+        let before = own.last().copied().unwrap_or(tied);
+        own.resize(step, before);
+        own.push(tied);
         Ok(())
     }
 
@@ -442,18 +445,10 @@ impl Reader<'_> {
 
     fn pair(&mut self, card: &Card) -> Result<(), Fault> {
         let interaction = folded(&self.named(card, "INTERACTION")?);
-        let adjust = match card.get("ADJUST") {
-            None => None,
-            Some(text) => Some(
-                crate::lines::number(text)
-                    .filter(|value| *value >= 0.0)
-                    .ok_or_else(|| {
-                        card.fault(format!(
-                            "ADJUST={text}: a length is expected; sets of nodes are not supported"
-                        ))
-                    })?,
-            ),
-        };
+        let adjust = card
+            .get("ADJUST")
+            .map(|text| self.adjust(card, text))
+            .transpose()?;
         if let Some(word) = card.word("TYPE") {
             const TYPES: [&str; 6] = [
                 "NODETOSURFACE",
@@ -484,12 +479,22 @@ impl Reader<'_> {
                 slave,
                 master,
                 interaction: interaction.clone(),
-                adjust,
+                adjust: adjust.clone(),
                 clearance: None,
                 present: Vec::new(),
             });
         }
         Ok(())
+    }
+
+    fn adjust(&self, card: &Card, text: &str) -> Result<Adjust, Fault> {
+        match crate::lines::number(text) {
+            Some(value) if value >= 0.0 => Ok(Adjust::UpTo(value)),
+            Some(_) => Err(card.fault(format!("ADJUST={text}: a length is not negative"))),
+            None => Ok(Adjust::Nodes(
+                self.deck.node_set(card, card.place, text)?.members.clone(),
+            )),
+        }
     }
 
     fn clearance(&mut self, card: &Card) -> Result<(), Fault> {
@@ -510,6 +515,11 @@ impl Reader<'_> {
 
     fn tie(&mut self, card: &Card) -> Result<(), Fault> {
         let name = card.get("NAME").unwrap_or("tie").to_string();
+        for word in ["CYCLIC SYMMETRY", "MULTISTAGE", "FLUID PERIODIC"] {
+            if card.get(word).is_some() {
+                return Err(card.fault(format!("{word} is not supported: model the whole, or a sector between planes of symmetry")));
+            }
+        }
         let tolerance = card.get("POSITION TOLERANCE");
         let tolerance = tolerance.map(|text| {
             crate::lines::number(text)
@@ -781,6 +791,8 @@ impl Reader<'_> {
         for interaction in deck.interactions.values_mut() {
             let last = interaction.friction.last().copied().unwrap_or(0.0);
             interaction.friction.resize(at + 1, last);
+            let last = interaction.tied.last().copied().unwrap_or(false);
+            interaction.tied.resize(at + 1, last);
         }
         deck.steps.push(step);
         Ok(())
@@ -859,24 +871,10 @@ impl Reader<'_> {
             "ZSYMM" => return Ok((3, 3)),
             _ => {}
         }
-        let freedom = |at: usize| -> Result<u8, Fault> {
-            let text = row.field(at);
-            let known = text.parse::<u8>().ok().filter(|k| (1..=6).contains(k));
-            known.ok_or_else(|| {
-                card.fault_at(
-                    row.place,
-                    format!(
-                        "expected a degree of freedom from 1 to 6 in field {}, found `{text}`",
-                        at + 1
-                    ),
-                )
-            })
-        };
-        let first = freedom(1)?;
-        let last = if row.field(2).is_empty() {
-            first
-        } else {
-            freedom(2)?
+        let first = self.freedom(card, row, 1)?;
+        let last = match row.field(2).is_empty() {
+            true => first,
+            false => self.freedom(card, row, 2)?,
         };
         match first <= last {
             true => Ok((first, last)),
@@ -887,13 +885,25 @@ impl Reader<'_> {
         }
     }
 
+    fn freedom(&self, card: &Card, row: &Row, at: usize) -> Result<u8, Fault> {
+        let text = row.field(at);
+        let known = text.parse::<u8>().ok().filter(|k| (1..=6).contains(k));
+        known.ok_or_else(|| {
+            let message = format!(
+                "expected a degree of freedom from 1 to 6 in field {}, found `{text}`",
+                at + 1
+            );
+            card.fault_at(row.place, message)
+        })
+    }
+
     fn cload(&mut self, card: &Card) -> Result<(), Fault> {
         let (amplitude, new) = self.given(card)?;
         if new {
             self.deck.acting.forces.clear();
         }
         for row in &card.rows {
-            let (freedom, _) = self.freedoms(card, row)?;
+            let freedom = self.freedom(card, row, 1)?;
             let value = row.number(card, 2, "the force")?;
             for node in self.deck.nodes_of(card, row, 0)? {
                 let from = (row.place, row.field(0));
