@@ -128,6 +128,7 @@ impl Deck {
                 .collect(),
             elements: deck.elements.iter().enumerate().map(element).collect(),
             materials: names,
+            headings: deck.headings.clone(),
         }
     }
 

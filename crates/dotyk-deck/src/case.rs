@@ -123,9 +123,10 @@ impl<'d> Writer<'d> {
 
     fn head(&mut self, title: &str) {
         let first = Place { file: 0, line: 1 };
-        let title = match self.deck.title.is_empty() {
-            true => title,
-            false => &self.deck.title,
+        let headings = self.deck.headings.join(" ");
+        let title = match headings.trim() {
+            "" => title,
+            heading => heading,
         };
         let title: String = title.chars().filter(|c| !c.is_control()).collect();
         let title = title.replace('\\', "\\\\").replace('"', "\\\"");

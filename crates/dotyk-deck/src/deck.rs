@@ -144,7 +144,8 @@ impl Amplitude {
 #[derive(Debug, Default)]
 pub(crate) struct Deck {
     pub sources: Sources,
-    pub title: String,
+    /// Lines of *HEADING.
+    pub headings: Vec<String>,
     pub numbers: Vec<u64>,
     pub points: Vec<[f64; 3]>,
     places: Vec<Place>,

@@ -31,7 +31,7 @@ const ORDER: [FrdQuantity; 5] = [
 ];
 
 /// Program and version that the file names as its source.
-const PROGRAM: [&str; 2] = [env!("CARGO_PKG_NAME"), env!("CARGO_PKG_VERSION")];
+const PROGRAM: [&str; 2] = ["dotyk", env!("CARGO_PKG_VERSION")];
 
 /// Writes mesh and steps as a `.frd` whose model is called `job`.
 ///
@@ -62,16 +62,19 @@ pub fn write<S: Borrow<Step>>(
     out.flush()
 }
 
-/// Job, program and materials. User, date, host and folder stay blank, so that the same answer
-/// is the same file everywhere.
+/// Heading, job, program and materials. User, host and folder stay blank and the time is no real one, so that the same answer is
+/// the same file everywhere; a reader may insist that it is a time.
 fn write_header(out: &mut impl Write, job: &str, mesh: &Mesh) -> io::Result<()> {
     writeln!(out, "    1C{job}")?;
+    for line in &mesh.headings {
+        writeln!(out, "    1U{line:<66}")?;
+    }
     let [program, version] = PROGRAM;
     let version = format!("Version {version}");
     for (key, text) in [
         ("USER", ""),
-        ("DATE", ""),
-        ("TIME", ""),
+        ("DATE", "01.january.1970"),
+        ("TIME", "00:00:00"),
         ("HOST", ""),
         ("PGM", program),
         ("VERSION", &version),

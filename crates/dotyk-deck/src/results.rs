@@ -13,6 +13,8 @@ pub struct Mesh {
     pub elements: Vec<Element>,
     /// Names of the materials; [`Element::material`] counts them from 1.
     pub materials: Vec<String>,
+    /// Lines of *HEADING; PrePoMax finds its model by them.
+    pub headings: Vec<String>,
 }
 
 /// One element.

@@ -213,7 +213,7 @@ impl Reader<'_> {
         match card.keyword.as_str() {
             "HEADING" => {
                 let lines = card.rows.iter().map(|row| row.fields.join(", "));
-                self.deck.title = lines.collect::<Vec<_>>().join(" ").trim().to_string();
+                self.deck.headings.extend(lines);
                 Ok(())
             }
             "MATERIAL" => self.material(card),

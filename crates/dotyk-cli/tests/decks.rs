@@ -1,0 +1,280 @@
+//! Decks of Abaqus and CalculiX through the commands: answers, files, messages with their line, exit status.
+//!
+//! `decks/*.dat` are what CalculiX 2.20 printed for the deck beside it, with elements that both programs have alike.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn dotyk(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dotyk"));
+    command.current_dir(folder).args(arguments);
+    command.output().expect("dotyk runs")
+}
+
+/// A folder of its own for a test, with decks of this folder.
+fn folder(name: &str, decks: &[&str]) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR"))
+        .join("decks")
+        .join(name);
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(&path).unwrap();
+    for deck in decks {
+        std::fs::copy(own(deck), path.join(deck)).unwrap();
+    }
+    path
+}
+
+fn own(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/decks")
+        .join(file)
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The tables of a `.dat`: heading, and rows of numbers.
+fn tables(text: &str) -> Vec<(String, Vec<Vec<f64>>)> {
+    let mut tables: Vec<(String, Vec<Vec<f64>>)> = Vec::new();
+    for line in text.lines().filter(|line| !line.trim().is_empty()) {
+        let row: Result<Vec<f64>, _> = line.split_whitespace().map(str::parse).collect();
+        match (row, tables.last_mut()) {
+            (Ok(row), Some(table)) => table.1.push(row),
+            _ => tables.push((line.trim().to_string(), Vec::new())),
+        }
+    }
+    tables
+}
+
+#[test]
+fn answers_are_those_of_calculix_where_elements_are_the_same() {
+    // with C3D8I incompatible modes differ a little on warped cells, plane stress is a thin solid there
+    let within = [
+        ("beam20", 1e-6),
+        ("beam8", 2e-3),
+        ("plate8", 1e-2),
+        ("strain8", 1e-6),
+        ("ring8", 2e-4),
+    ];
+    for (name, tolerance) in within {
+        let deck = format!("{name}.inp");
+        let folder = folder(name, &[&deck]);
+        let run = dotyk(&folder, &["run", &deck, "--out", "out", "--quiet"]);
+        assert!(run.status.success(), "{name}: {}", told(&run));
+        let dat = format!("{name}.dat");
+        let found = tables(&std::fs::read_to_string(folder.join("out").join(&dat)).unwrap());
+        let wanted = tables(&std::fs::read_to_string(own(&dat)).unwrap());
+        let heads = |tables: &[(String, Vec<Vec<f64>>)]| {
+            tables.iter().map(|t| t.0.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(heads(&found), heads(&wanted), "{name}");
+        for ((head, found), (_, wanted)) in found.iter().zip(&wanted) {
+            assert_eq!(found.len(), wanted.len(), "{name}: {head}");
+            // numbers of nodes and elements come first, and points of integration
+            let skip = match head {
+                head if head.starts_with("total") => 0,
+                head if head.contains("integ.pnt.") => 2,
+                _ => 1,
+            };
+            let values = wanted.iter().flat_map(|row| &row[skip..]);
+            let size = values.fold(0.0f64, |s, v| s.max(v.abs()));
+            for (found, wanted) in found.iter().zip(wanted) {
+                assert_eq!(found[..skip], wanted[..skip], "{name}: {head}");
+                for (a, b) in found[skip..].iter().zip(&wanted[skip..]) {
+                    assert!(
+                        (a - b).abs() <= tolerance * size,
+                        "{name}: {head}: {found:?} {wanted:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn two_cubes_pressed_on_each_other_are_shortened_by_pl_over_e() {
+    let folder = folder("press", &["press.inp"]);
+    let run = dotyk(&folder, &["run", "press.inp", "--out", "out", "--quiet"]);
+    assert!(run.status.success(), "{}", told(&run));
+    let dat = std::fs::read_to_string(folder.join("out/press.dat")).unwrap();
+    let tables = tables(&dat);
+    let displacements = &tables[0].1;
+    for row in displacements {
+        let z = [0.0, -0.01, -0.02][match row[0] as usize {
+            1..=4 => 0,
+            5..=14 => 1,
+            _ => 2,
+        }];
+        assert!((row[3] - z).abs() < 1e-9 && row[1].abs() < 1e-9, "{row:?}");
+    }
+    let totals = tables
+        .iter()
+        .find(|t| t.0.starts_with("total force"))
+        .unwrap();
+    assert!((totals.1[0][2] - 10.0).abs() < 1e-6, "{totals:?}");
+    let frd = std::fs::read_to_string(folder.join("out/press.frd")).unwrap();
+    for block in ["DISP", "STRESS", "TOSTRAIN", "FORC", "CONTACT"] {
+        assert!(frd.contains(&format!(" -4  {block}")), "{block}");
+    }
+    assert!(frd.starts_with("    1C") && frd.contains("    1UHash: abc, two cubes"));
+    assert!(frd.trim_end().ends_with("9999"));
+    let summary = std::fs::read_to_string(folder.join("out/summary.json")).unwrap();
+    assert!(summary.contains("\"converged\": true") && summary.contains("Upper-Lower"));
+    assert!(
+        summary.contains("press.inp:42: *FRICTION: the slope of sticking is passed over"),
+        "{summary}"
+    );
+}
+
+#[test]
+fn the_imported_case_says_the_same() {
+    for deck in ["press", "beam20", "beam8", "plate8"] {
+        let file = format!("{deck}.inp");
+        let folder = folder(&format!("import-{deck}"), &[&file]);
+        let import = dotyk(&folder, &["import", &file, "--out", "case"]);
+        assert!(import.status.success(), "{}", told(&import));
+        let mut files: Vec<String> = std::fs::read_dir(folder.join("case"))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        files.sort();
+        assert_eq!(files, [format!("{deck}.msh"), format!("{deck}.toml")]);
+        let case = format!("case/{deck}.toml");
+        let of_case = dotyk(&folder, &["run", &case, "--out", "of-case", "--quiet"]);
+        assert!(of_case.status.success(), "{}", told(&of_case));
+        let of_deck = dotyk(&folder, &["run", &file, "--out", "of-deck", "--quiet"]);
+        assert!(of_deck.status.success(), "{}", told(&of_deck));
+        let vtu = |run: &str| -> BTreeMap<String, Vec<u8>> {
+            let files = std::fs::read_dir(folder.join(run)).unwrap();
+            let files = files.map(|entry| entry.unwrap().path());
+            let files = files.filter(|path| path.extension().is_some_and(|e| e == "vtu"));
+            files
+                .map(|path| {
+                    (
+                        path.file_name().unwrap().to_str().unwrap().to_string(),
+                        std::fs::read(path).unwrap(),
+                    )
+                })
+                .collect()
+        };
+        let (a, b) = (vtu("of-case"), vtu("of-deck"));
+        assert!(!a.is_empty() && a == b, "{deck}");
+    }
+}
+
+#[test]
+fn called_as_ccx_is_it_leaves_the_files_of_ccx() {
+    let folder = folder("ccx", &["press.inp"]);
+    std::fs::write(folder.join("broken.inp"), "*NODE\n1, 0\n*ELEMENT\n").unwrap();
+    std::fs::write(folder.join("broken.frd"), "old").unwrap();
+    let ccx = |job: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_dotyk-ccx"));
+        command
+            .current_dir(&folder)
+            .args(["-i", job])
+            .output()
+            .unwrap()
+    };
+    let done = ccx("press");
+    assert_eq!(done.status.code(), Some(0), "{}", told(&done));
+    let mut files: Vec<String> = std::fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    files.sort();
+    assert_eq!(
+        files,
+        [
+            "broken.frd",
+            "broken.inp",
+            "press-out",
+            "press.dat",
+            "press.frd",
+            "press.inp",
+            "press.sta"
+        ]
+    );
+    assert!(folder.join("press-out/summary.json").exists());
+    assert!(!folder.join("press-out/press.frd").exists());
+    let broken = ccx("broken");
+    assert_eq!(broken.status.code(), Some(1));
+    assert!(told(&broken).contains("broken.inp:3"), "{}", told(&broken));
+    assert!(
+        !folder.join("broken.frd").exists(),
+        "an old result is not that of this run"
+    );
+}
+
+#[test]
+fn decks_without_an_answer_end_with_the_status_of_ccx() {
+    let text = std::fs::read_to_string(own("press.inp")).unwrap();
+    // pushed sideways by more than friction bears
+    let push = "*Cload\n15, 1, 0.5\n16, 1, 0.5\n17, 1, 0.5\n18, 1, 0.5\n*Dload\n";
+    let text = text
+        .replace("0.5, 1e4\n", "0.1\n")
+        .replace("*Dload\n", push);
+    let folder = folder("slides", &[]);
+    std::fs::write(folder.join("slides.inp"), text).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dotyk-ccx"));
+    let output = command
+        .current_dir(&folder)
+        .args(["-i", "slides"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(201), "{}", told(&output));
+}
+
+/// What is replaced in `press.inp`, by what, text on the line that is told, words of the message.
+type Mistake = (&'static str, &'static str, &'static str, &'static str);
+
+#[rustfmt::skip]
+const MISTAKES: &[Mistake] = &[
+    ("*Static\n", "*Static\n*Dynamic\n", "*Dynamic", "*DYNAMIC: only *STATIC is solved"),
+    ("*Material, name=Soft\n", "*Materal, name=Soft\n", "*Materal", "the nearest known one is *MATERIAL"),
+    ("*Nset, nset=Floor\n", "*Nset, nset=Floor, colour=red\n", "colour=red", "the parameter COLOUR is not known"),
+    ("Floor, 1, 3\n", "Flor, 1, 3\n", "Flor, 1", "there is no NSET `Flor`, the nearest is FLOOR"),
+    ("Floor, 1, 3\n", "Floor, 7\n", "Floor, 7", "a degree of freedom from 1 to 6"),
+    ("2, 11, 12, 13, 14,", "2, 11, 12, 13, 99,", "2, 11, 12", "there is no node 99"),
+    ("2, 11, 12, 13, 14,", "1, 11, 12, 13, 14,", "1, 11, 12", "there are two elements 1"),
+    ("1000., 0.\n", "1000., 0.5\n", "1000., 0.5", "ν in (-1, 0.5)"),
+    ("1000., 0.\n", "1000., x\n", "1000., x", "expected a number in field 2, found `x`"),
+    ("High, P2, 10.", "High, P7, 10.", "High, P7", "has no face 7"),
+    ("High, P2, 10.", "High, P2, nan", "High, P2, nan", "expected a number in field 3"),
+    ("High, S1\n", "High, S9\n", "High, S9", "has no face 9"),
+    ("Upper, Lower\n*B", "Upper, Lowr\n*B", "Upper, Lowr", "there is no surface `Lowr`, the nearest is LOWER"),
+    ("interaction=Hard, type", "interaction=Hart, type", "Upper, Lower", "there is no *SURFACE INTERACTION HART"),
+    ("type=C3D8I, elset=High", "type=S4, elset=High", "elset=High", "shells and membranes are not supported"),
+    ("*Solid section, elset=High, material=Soft\n", "", "2, 11, 12", "element 2 has no *SOLID SECTION"),
+    ("*Solid section, elset=High, material=Soft\n", "*Solid section, elset=High, material=Sofd\n", "elset=High, material", "there is no material Sofd"),
+    ("*Elastic\n1000., 0.\n", "", "*Material", "material Soft has no *ELASTIC"),
+    ("*End step\n", "", "*Step", "the step has no *END STEP"),
+    ("0.5, 1e4\n", "-0.5\n", "-0.5", "must not be negative"),
+    ("*Step\n", "*Include, input=none.inp\n*Step\n", "*Include", "none.inp"),
+    ("*Step\n", "*Include, input=press.inp\n*Step\n", "*Include", "includes itself"),
+    // what only the case shows
+    ("Floor, 1, 3\n", "Floor, 1, 2\n", "*Solid section, elset=Low", "body \"Low\" is not held"),
+];
+
+#[test]
+fn mistakes_are_told_at_their_line() {
+    let good = std::fs::read_to_string(own("press.inp")).unwrap();
+    let folder = folder("mistakes", &[]);
+    for (what, by, line, words) in MISTAKES {
+        assert!(good.contains(what), "{what}");
+        let text = good.replacen(what, by, 1);
+        std::fs::write(folder.join("press.inp"), &text).unwrap();
+        let output = dotyk(&folder, &["run", "press.inp", "--out", "out", "--quiet"]);
+        let message = told(&output);
+        assert_eq!(output.status.code(), Some(2), "{by}: {message}");
+        let number = text.lines().position(|l| l.contains(line)).unwrap() + 1;
+        assert!(
+            message.contains(&format!("press.inp:{number}:")),
+            "{by}: line {number}: {message}"
+        );
+        assert!(message.contains(words), "{by}: {message}");
+        assert!(!message.contains("panicked"), "{message}");
+        assert!(!folder.join("out/press.frd").exists());
+    }
+}
