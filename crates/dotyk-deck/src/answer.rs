@@ -161,6 +161,17 @@ impl Deck {
                 step.strain[node] = tensor(own.strain[local]);
             }
         }
+        for [kept, gone] in self
+            .deck
+            .same
+            .iter()
+            .rev()
+            .map(|pair| pair.map(|node| node as usize))
+        {
+            step.displacement[gone] = step.displacement[kept];
+            step.stress[gone] = step.stress[kept];
+            step.strain[gone] = step.strain[kept];
+        }
         self.references(solution, &mut step);
         let mut ranges = Vec::new();
         for contact in &solution.contacts {
@@ -182,6 +193,10 @@ impl Deck {
                 continue;
             };
             let node = coupling.reference as usize;
+            if self.bodies.of_node[node].is_some() {
+                // a node of the body itself
+                continue;
+            }
             step.displacement[node] = space(couple.displacement);
             // what acts on the point from outside is what it hands on to the body
             step.reaction[node] = space(couple.force);

@@ -242,10 +242,10 @@ impl<'d> Writer<'d> {
     fn couples(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
         let couplings = std::mem::take(&mut self.deck.couplings);
         for coupling in &couplings {
-            let keyword = if coupling.rotation.is_some() {
-                "RIGID BODY"
-            } else {
-                "COUPLING"
+            let keyword = match (coupling.motion, coupling.rotation) {
+                (Some(Motion::Parallel), _) => "EQUATION",
+                (_, Some(_)) => "RIGID BODY",
+                _ => "COUPLING",
             };
             let fault = |message: String| Fault {
                 place: coupling.place,
@@ -295,6 +295,17 @@ impl<'d> Writer<'d> {
                 _ => "rigid",
             };
             let own = &mut entries[body];
+            if coupling.motion == Some(Motion::Parallel) {
+                let still = if axes == 2 {
+                    "0.0"
+                } else {
+                    "{ x = 0.0, y = 0.0, z = 0.0 }"
+                };
+                own.fix.push((
+                    coupling.place,
+                    format!("{{ point = \"{point}\", rotation = {still} }}"),
+                ));
+            }
             own.points.push((coupling.place, format!("{point} = {at}")));
             own.couple.push((
                 coupling.place,

@@ -103,6 +103,8 @@ pub(crate) struct Tie {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Motion {
     Rigid,
+    /// Rigid, without turning.
+    Parallel,
     Average,
 }
 
@@ -162,6 +164,8 @@ pub(crate) struct Deck {
     pub pairs: Vec<Pair>,
     pub ties: Vec<Tie>,
     pub couplings: Vec<Coupling>,
+    /// Nodes that equations make one, the second of each stands for nothing any more.
+    pub same: Vec<[Index; 2]>,
     pub amplitudes: BTreeMap<String, Amplitude>,
     /// Temperature of each node before the first step.
     pub initial: BTreeMap<Index, f64>,
@@ -184,8 +188,11 @@ impl Deck {
             known(card)?;
         }
         deck.geometry(cards)?;
+        let (equal, held) = deck.equations(cards)?;
         deck.surfaces(cards)?;
-        crate::steps::read(&mut deck, cards)?;
+        crate::steps::read(&mut deck, cards, &held)?;
+        let axes = deck.axes();
+        crate::equations::rigid_sides(&mut deck, &equal, axes)?;
         Ok(deck)
     }
 
@@ -219,6 +226,51 @@ impl Deck {
             set.members.retain(|member| seen.insert(*member));
         }
         Ok(())
+    }
+
+    /// Number of axes: that of the elements.
+    fn axes(&self) -> usize {
+        match self.elements.is_empty() {
+            true => 3,
+            false => self.shape(0).dimension,
+        }
+    }
+
+    /// Reads all equations, and lets one node stand for two where they say so.
+    fn equations(&mut self, cards: &[Card]) -> Result<crate::equations::Read, Fault> {
+        let (mut equal, mut held) = (Vec::new(), Vec::new());
+        for card in cards.iter().filter(|card| card.keyword == "EQUATION") {
+            let (own, single) = crate::equations::read(self, card)?;
+            equal.extend(own);
+            held.extend(single);
+        }
+        self.same = crate::equations::same(self, &mut equal, self.axes());
+        let of: BTreeMap<Index, Index> = self
+            .same
+            .iter()
+            .map(|[kept, gone]| (*gone, *kept))
+            .collect();
+        let kept = |node: Index| {
+            let mut node = node;
+            while let Some(next) = of.get(&node) {
+                node = *next;
+            }
+            node
+        };
+        if !of.is_empty() {
+            let nodes = self
+                .elements
+                .iter_mut()
+                .flat_map(|element| &mut element.nodes);
+            nodes.for_each(|node| *node = kept(*node));
+            self.index.values_mut().for_each(|node| *node = kept(*node));
+            for set in self.node_sets.values_mut() {
+                let mut seen = BTreeSet::new();
+                set.members.iter_mut().for_each(|node| *node = kept(*node));
+                set.members.retain(|node| seen.insert(*node));
+            }
+        }
+        Ok((equal, held))
     }
 
     fn nodes(&mut self, card: &Card) -> Result<(), Fault> {

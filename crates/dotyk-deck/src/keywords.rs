@@ -272,13 +272,7 @@ pub(crate) const KEYWORDS: &[Entry] = &[
         &["ABSOLUTE ZERO", "STEFAN BOLTZMANN", "NEWTON GRAVITY"],
         Ignored("heat does not flow here"),
     ),
-    (
-        "EQUATION",
-        &["REMOVE"],
-        Refused(
-            "linear equations between nodes are not supported: use *RIGID BODY, *COUPLING or *TIE",
-        ),
-    ),
+    ("EQUATION", &["REMOVE"], Read),
     (
         "MPC",
         &["USER"],

@@ -16,6 +16,7 @@ mod course;
 mod dat;
 mod deck;
 mod elements;
+mod equations;
 mod error;
 mod frd;
 mod keywords;

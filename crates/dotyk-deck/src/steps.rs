@@ -151,7 +151,17 @@ pub(crate) struct Acting {
 /// Reads materials, contacts and steps into a deck.
 ///
 /// Errors: the first mistake, at its line.
-pub(crate) fn read(deck: &mut Deck, cards: &[Card]) -> Result<(), Fault> {
+pub(crate) fn read(
+    deck: &mut Deck,
+    cards: &[Card],
+    held: &[(Place, Index, u8)],
+) -> Result<(), Fault> {
+    for (place, node, freedom) in held {
+        let number = deck.numbers[*node as usize].to_string();
+        deck.acting
+            .held
+            .give((*node, *freedom), (*place, &number), (0.0, None), false);
+    }
     let mut reader = Reader {
         deck,
         step: None,
