@@ -204,6 +204,10 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
             }
         } else if !steps.is_empty() {
             let written = record.write_summary(&folder).map_err(Failure::of_output)?;
+            for (name, _) in &beside {
+                // results of an earlier run; where there are none, nothing is to be removed
+                let _ = std::fs::remove_file(folder.path().join(name));
+            }
             match arguments.json {
                 true => print(&written.summary)?,
                 false => print(&(verdict(&case.model, steps) + &named(&written.files)))?,

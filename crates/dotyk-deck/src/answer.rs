@@ -15,7 +15,7 @@ use crate::results::{
 use crate::{dat, steps};
 use dotyk::fem::{CellPoints, FemError, cell_points, nodal_forces, recover_spin};
 use dotyk::geometry::Point;
-use dotyk::model::{ContactSolution, Model, Solution};
+use dotyk::model::{Analysis, ContactSolution, Model, Solution};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
@@ -35,7 +35,10 @@ impl Deck {
         let (mut to_frd, mut to_dat) = (Vec::new(), Vec::new());
         for (number, solution) in (1..).zip(solutions) {
             let asked = &self.deck.steps[(number - 1).min(self.deck.steps.len() - 1)].requests;
-            let (step, ranges) = self.step(model, solution, number)?;
+            let forces = asked
+                .iter()
+                .any(|request| request.quantities.iter().any(|word| word == "RF"));
+            let (step, ranges) = self.step((model, solution), number, forces)?;
             to_dat.push((step.clone(), self.prints(model, solution, asked, &ranges)?));
             to_frd.push((step, frd_quantities(asked)));
         }
@@ -56,10 +59,13 @@ impl Deck {
         );
         for (number, step) in (1..).zip(self.deck.steps.iter().take(steps)) {
             let (time, period) = (step.time, step.period);
-            text += &format!(
-                "{number:6}{:9}{:8}{:6}{time:13.6e}{period:14.6e}{period:14.6e}\n",
-                1, 1, 1
-            );
+            text += &format!("{number:6}{:9}{:8}{:6}", 1, 1, 1);
+            for value in [time, period, period] {
+                let mut line = Vec::new();
+                crate::number::scientific(&mut line, value, 14, 6);
+                text += &String::from_utf8_lossy(&line);
+            }
+            text.push('\n');
         }
         (format!("{}.sta", self.stem), text.into_bytes())
     }
@@ -135,9 +141,9 @@ impl Deck {
     /// A solution on the nodes of the deck, and the rows of each contact.
     fn step<const D: usize>(
         &self,
-        model: &Model<D>,
-        solution: &Solution<D>,
+        (model, solution): (&Model<D>, &Solution<D>),
         number: usize,
+        with_forces: bool,
     ) -> Result<(Step, Vec<Range<usize>>), FemError> {
         let count = self.deck.points.len();
         let mut step = Step {
@@ -151,7 +157,10 @@ impl Deck {
         };
         for (index, own) in solution.bodies.iter().enumerate() {
             let body = &model.bodies[index];
-            let forces = nodal_forces(body, model.analysis, &own.displacement, solution.time)?;
+            let forces = match with_forces {
+                true => nodal_forces(body, model.analysis, &own.displacement, solution.time)?,
+                false => own.contact_forces.clone(),
+            };
             for (local, &node) in self.bodies.list[index].nodes.iter().enumerate() {
                 let node = node as usize;
                 step.displacement[node] = space(own.displacement[local]);
@@ -159,6 +168,7 @@ impl Deck {
                 step.reaction[node] = std::array::from_fn(|d| total[d] - contact[d]);
                 step.stress[node] = tensor(own.stress[local]);
                 step.strain[node] = tensor(own.strain[local]);
+                step.strain[node][2] += self.free_strain(model, node, index, number);
             }
         }
         for [kept, gone] in self
@@ -180,6 +190,30 @@ impl Deck {
             ranges.push(start..step.contact.len());
         }
         Ok((step, ranges))
+    }
+
+    /// What expansion adds to the strain across a plane of free stress: αT (1 + ν)/(1 − ν), as the recovered strain is that of an
+    /// elastic law without it.
+    fn free_strain<const D: usize>(
+        &self,
+        model: &Model<D>,
+        node: usize,
+        body: usize,
+        number: usize,
+    ) -> f64 {
+        if model.analysis != Analysis::PlaneStress {
+            return 0.0;
+        }
+        let node = node as Index;
+        let course = self.deck.acting.temperatures.all.get(&node);
+        let now = course.and_then(|course| course.values.get(number - 1).copied().flatten());
+        let (Some(now), Some(before)) = (now, self.deck.initial.get(&node)) else {
+            return 0.0;
+        };
+        let section = &self.deck.sections[self.bodies.list[body].sections[0].0];
+        let material = &self.deck.materials[&folded(&section.material)];
+        let poisson = material.elastic.map_or(0.0, |[_, poisson]| poisson);
+        material.expansion.unwrap_or(0.0) * (now - before) * (1.0 + poisson) / (1.0 - poisson)
     }
 
     /// Motion of, and forces at, reference and rotation nodes.
@@ -303,6 +337,13 @@ impl Deck {
                             let mut contacts = solution.contacts.iter();
                             Some((named, contacts.find(|contact| contact.name == named.name)?))
                         }) {
+                            let asked = [&named.slave, &named.master];
+                            let mut wanted = request.pair.iter().zip(asked);
+                            if wanted.any(|(wanted, own)| {
+                                wanted.as_ref().is_some_and(|name| name != own)
+                            }) {
+                                continue;
+                            }
                             prints.push(Print::ContactForce(force(named, contact)));
                         }
                     }
@@ -397,7 +438,7 @@ fn frd_quantities(asked: &[steps::Request]) -> Vec<FrdQuantity> {
     let all = [
         (FrdQuantity::Displacement, asks("NODE FILE", &["U"])),
         (FrdQuantity::Stress, asks("EL FILE", &["S"])),
-        (FrdQuantity::Strain, asks("EL FILE", &["E", "ME"])),
+        (FrdQuantity::Strain, asks("EL FILE", &["E"])),
         (FrdQuantity::Reaction, asks("NODE FILE", &["RF"])),
         (
             FrdQuantity::Contact,

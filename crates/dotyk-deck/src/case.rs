@@ -7,6 +7,7 @@ use crate::error::Fault;
 use crate::lines::{Place, folded};
 use crate::msh::Groups;
 use crate::names::{Names, clean};
+use crate::reach::beyond;
 use crate::steps::{Course, Step};
 use dotyk::model::Analysis;
 use std::collections::{BTreeMap, BTreeSet};
@@ -278,13 +279,22 @@ impl<'d> Writer<'d> {
                     coupling.of
                 )));
             }
-            if !rest.is_empty() {
-                let (count, first) = (rest.len(), self.deck.numbers[rest[0] as usize]);
-                self.deck.note(
-                    coupling.place,
-                    keyword,
-                    &format!("{count} nodes of {} that are on no face with all its nodes there are left out, the first is {first}", coupling.of),
-                );
+            // within a body that is rigid as a whole nothing deforms
+            let whole = nodes.len() == self.bodies.list[body].nodes.len();
+            if let (Some(first), false) = (rest.first(), whole) {
+                return Err(fault(format!(
+                    "{} nodes of {} are on no face with all its nodes there, node {} for one: whole faces are supported",
+                    rest.len(),
+                    coupling.of,
+                    self.deck.numbers[*first as usize]
+                )));
+            }
+            let within = self.bodies.of_node[coupling.reference as usize].is_some();
+            if within && !nodes.contains(&coupling.reference) {
+                return Err(fault(format!(
+                    "the reference node {} belongs to an element: take a node of its own",
+                    self.deck.numbers[coupling.reference as usize]
+                )));
             }
             let side = self.side(body, &faces, &coupling.of);
             let point = self.free(body, &format!("{}-point", coupling.name));
@@ -550,11 +560,10 @@ impl<'d> Writer<'d> {
         // lines of one set with the same value are one load
         let mut first: BTreeMap<(String, Vec<Option<u64>>), Place> = BTreeMap::new();
         for (face, course) in &faces {
-            let named = course.of.parse::<u64>().is_err();
-            let of = if named {
-                format!("{}-P{}", course.of, face.1 + 1)
-            } else {
-                "pressed".to_string()
+            self.outer(&[*face], course.place, "DLOAD")?;
+            let of = match course.of.parse::<u64>() {
+                Ok(_) => "pressed".to_string(),
+                Err(_) => course.of.clone(),
             };
             let place = *first
                 .entry((of.clone(), course.key()))
@@ -565,21 +574,7 @@ impl<'d> Writer<'d> {
                 .1
                 .push(*face);
         }
-        let of_surfaces = std::mem::take(&mut self.deck.acting.surfaces.all);
-        let mut loads: Vec<(Place, String, Vec<Face>, Vec<Option<u64>>)> = Vec::new();
         for ((place, key), (of, faces)) in alike {
-            loads.push((place, of, faces, key));
-        }
-        for (name, course) in of_surfaces {
-            let surface = &self.deck.surfaces[&name];
-            loads.push((
-                course.place,
-                surface.name.clone(),
-                surface.faces.clone(),
-                course.key(),
-            ));
-        }
-        for (place, of, faces, key) in loads {
             let own: Vec<f64> = key
                 .iter()
                 .map(|bits| bits.map_or(0.0, f64::from_bits))
@@ -669,7 +664,7 @@ impl<'d> Writer<'d> {
             let thickness = section.thickness.filter(|_| plane);
             let thickness = thickness.map_or(String::new(), |t| format!(", thickness = {t:?}"));
             (
-                material.place,
+                section.place,
                 format!("young = {young:?}, poisson = {poisson:?}{thickness}"),
             )
         };
@@ -679,26 +674,36 @@ impl<'d> Writer<'d> {
     /// The density times the acceleration.
     fn gravity(&self, body: &Body) -> Result<Option<(Place, Vec<String>)>, Fault> {
         let mut sum: Option<(Place, Vec<Vec<f64>>)> = None;
-        for ((set, axis), course) in &self.deck.acting.gravity.all {
+        let all = &self.deck.acting.gravity.all;
+        let of = |element: &Index| all.range((*element, [0; 3])..=(*element, [u64::MAX; 3]));
+        let courses = |element: &Index| -> Vec<([u64; 3], Vec<Option<u64>>)> {
+            of(element)
+                .map(|((_, way), course)| (*way, course.key()))
+                .collect()
+        };
+        let first = &body.elements[0];
+        let other = body
+            .elements
+            .iter()
+            .find(|element| courses(element) != courses(first));
+        if let Some(other) = other {
+            let course = of(first).chain(of(other)).next();
+            let place = course.map_or(Place::default(), |(_, course)| course.place);
+            return Err(Fault {
+                place,
+                keyword: "DLOAD".to_string(),
+                message: format!(
+                    "GRAV acts on a part of body {}: the whole body is supported",
+                    body.name
+                ),
+            });
+        }
+        for ((_, way), course) in of(first) {
             let fault = |message: String| Fault {
                 place: course.place,
                 keyword: "DLOAD".to_string(),
                 message,
             };
-            let members: BTreeSet<Index> = match self.deck.element_sets.get(set) {
-                Some(set) => set.members.iter().copied().collect(),
-                None => continue,
-            };
-            let within = body.elements.iter().filter(|e| members.contains(e)).count();
-            if within == 0 {
-                continue;
-            }
-            if within < body.elements.len() {
-                return Err(fault(format!(
-                    "GRAV acts on a part of body {}: the whole body is supported",
-                    body.name
-                )));
-            }
             let densities = body.sections.iter().map(|(section, _)| {
                 let material =
                     &self.deck.materials[&folded(&self.deck.sections[*section].material)];
@@ -715,11 +720,10 @@ impl<'d> Writer<'d> {
             }
             let (_, force) =
                 sum.get_or_insert_with(|| (course.place, vec![vec![0.0; course.values.len()]; 3]));
-            for (total, value) in force[usize::from(*axis) - 1]
-                .iter_mut()
-                .zip(course.filled())
-            {
-                *total += densities[0] * value;
+            for (along, part) in force.iter_mut().zip(way.map(f64::from_bits)) {
+                for (total, value) in along.iter_mut().zip(course.filled()) {
+                    *total += densities[0] * part * value;
+                }
             }
         }
         let steps = &self.deck.steps;
@@ -816,6 +820,26 @@ impl<'d> Writer<'d> {
         )))
     }
 
+    /// Refuses faces inside a body.
+    fn outer(&self, faces: &[Face], place: Place, keyword: &str) -> Result<(), Fault> {
+        let within = faces.iter().find(|(element, face)| {
+            let body = &self.bodies.list[self.bodies.of_element[*element as usize]];
+            body.boundary.binary_search(&(*element, *face)).is_err()
+        });
+        match within {
+            None => Ok(()),
+            Some((element, face)) => Err(Fault {
+                place,
+                keyword: keyword.to_string(),
+                message: format!(
+                    "face {} of element {} lies inside a body: faces on its boundary are supported",
+                    face + 1,
+                    self.deck.elements[*element as usize].number
+                ),
+            }),
+        }
+    }
+
     /// The faces of a surface by body; nodes stand for the faces that they make.
     fn faces_of(
         &mut self,
@@ -825,23 +849,28 @@ impl<'d> Writer<'d> {
     ) -> Result<BTreeMap<usize, String>, Fault> {
         let surface = &self.deck.surfaces[name];
         let (title, nodes) = (surface.name.clone(), surface.nodes.clone());
-        let by_body = match &nodes {
-            None => self.bodies.split_faces(&surface.faces),
-            Some(nodes) => {
-                let by_body = self.bodies.split(nodes).0.into_iter();
-                let faces = by_body.map(|(body, nodes)| (body, self.cover(body, &nodes).0));
-                faces.filter(|(_, faces)| !faces.is_empty()).collect()
-            }
+        let Some(nodes) = nodes else {
+            self.outer(&surface.faces, place, keyword)?;
+            let by_body = self.bodies.split_faces(&surface.faces).into_iter();
+            let sides = by_body.map(|(body, faces)| (body, self.side(body, &faces, &title)));
+            return Ok(sides.collect());
         };
-        if by_body.is_empty() {
-            let message = format!(
-                "the nodes of surface {title} make no face of an element: use a surface of element faces"
-            );
-            return Err(Fault {
-                place,
-                keyword: keyword.to_string(),
-                message,
-            });
+        let (split, loose) = self.bodies.split(&nodes);
+        let mut by_body = BTreeMap::new();
+        for (body, nodes) in split {
+            let (faces, rest) = self.cover(body, &nodes);
+            if let Some(node) = rest.first().or(loose.first()) {
+                let number = self.deck.numbers[*node as usize];
+                let message = format!(
+                    "node {number} of surface {title} is on no face with all its nodes there: use a surface of element faces"
+                );
+                return Err(Fault {
+                    place,
+                    keyword: keyword.to_string(),
+                    message,
+                });
+            }
+            by_body.insert(body, faces);
         }
         let sides = by_body
             .into_iter()
@@ -991,27 +1020,59 @@ impl<'d> Writer<'d> {
             let slaves = self.faces_of(&tie.slave, tie.place, "TIE")?;
             let masters = self.faces_of(&tie.master, tie.place, "TIE")?;
             let tolerance = tie.tolerance.unwrap_or_else(|| TIED * self.edge(&slaves));
-            let keys = ["tied = true".to_string(), format!("reach = {tolerance:?}")];
-            self.between(
-                (&tie.slave, &tie.master),
-                tie.place,
-                Some(&tie.name),
-                [&slaves, &masters],
-                &keys,
-            );
+            let faces = self.faces_on(&masters);
+            for (body, side) in &slaves {
+                let own = BTreeMap::from([(*body, side.clone())]);
+                let nodes = self.faces_on(&own).into_iter();
+                let nodes: BTreeSet<Index> =
+                    nodes.flat_map(|face| self.deck.face_nodes(face)).collect();
+                let nodes: Vec<Index> = nodes.into_iter().collect();
+                let far = beyond(self.deck, &nodes, &faces, tolerance);
+                let mut keys = vec!["tied = true".to_string()];
+                if let Some(first) = far.first() {
+                    let title = &self.deck.surfaces[&tie.slave].name;
+                    let message = format!(
+                        "{} of {} nodes of surface {title} are farther than {tolerance:?} from the other one and are not tied, node {} for one",
+                        far.len(),
+                        nodes.len(),
+                        self.deck.numbers[*first as usize]
+                    );
+                    if far.len() == nodes.len() {
+                        let keyword = "TIE".to_string();
+                        return Err(Fault {
+                            place: tie.place,
+                            keyword,
+                            message,
+                        });
+                    }
+                    self.deck.note(tie.place, "TIE", &message);
+                    let point = self.point(*body, &far, &format!("{}-free", tie.name));
+                    keys.push(format!("exclude = [\"{point}\"]"));
+                }
+                self.between(
+                    (&tie.slave, &tie.master),
+                    tie.place,
+                    Some(&tie.name),
+                    [&own, &masters],
+                    &keys,
+                );
+            }
         }
         self.deck.ties = ties;
         Ok(())
     }
 
+    /// The faces of some sides.
+    fn faces_on(&self, sides: &BTreeMap<usize, String>) -> Vec<Face> {
+        let known = self.sides.iter();
+        let known = known.filter(|((body, _), name)| sides.get(body) == Some(name));
+        known.flat_map(|((_, faces), _)| faces).copied().collect()
+    }
+
     /// The mean edge of the faces of some sides.
     fn edge(&self, sides: &BTreeMap<usize, String>) -> f64 {
-        let faces = self
-            .sides
-            .iter()
-            .filter(|((body, _), name)| sides.get(body) == Some(name));
         let (mut sum, mut count) = (0.0, 0);
-        for face in faces.flat_map(|((_, faces), _)| faces) {
+        for face in self.faces_on(sides) {
             let nodes = &self.deck.elements[face.0 as usize].nodes;
             let corners = self.deck.shape(face.0).faces[face.1];
             let ends = corners.iter().zip(corners.iter().cycle().skip(1));
@@ -1027,13 +1088,17 @@ impl<'d> Writer<'d> {
 
 /// Refuses a support that begins in a later step with a displacement of its own.
 fn late(course: &Course, freedom: u8) -> Result<(), Fault> {
-    let begins = course.values.iter().position(Option::is_some).unwrap_or(0);
-    let again = course.values[begins..]
-        .windows(2)
-        .any(|pair| pair[0].is_none() && pair[1].is_some());
-    if (begins == 0 && !again) || course.fixed {
+    let there = |step: usize| step > 0 && course.values[step - 1].is_some();
+    let begins = (1..course.values.len()).find(|step| {
+        let now = course.values[*step].is_some();
+        let from = now && !there(*step);
+        // what was held where it is cannot get a displacement of its own
+        let given = now && there(*step) && course.fixed[*step - 1] && !course.fixed[*step];
+        (from && !course.fixed[*step]) || given
+    });
+    let Some(begins) = begins else {
         return Ok(());
-    }
+    };
     let message = format!(
         "degree of freedom {freedom} of {} is held from step {} on, by its displacement since the beginning: that is not supported; hold it in the first step, or where it is (FIXED)",
         course.of,

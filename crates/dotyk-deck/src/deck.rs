@@ -13,6 +13,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// A node or element by its index in the order of the deck.
 pub(crate) type Index = u32;
 
+/// Result files have columns of ten digits for numbers.
+const LARGEST: u64 = 9_999_999_999;
+
 /// A face of an element.
 pub(crate) type Face = (Index, usize);
 
@@ -229,7 +232,7 @@ impl Deck {
     }
 
     /// Number of axes: that of the elements.
-    fn axes(&self) -> usize {
+    pub fn axes(&self) -> usize {
         match self.elements.is_empty() {
             true => 3,
             false => self.shape(0).dimension,
@@ -280,6 +283,14 @@ impl Deck {
         let mut members = Vec::with_capacity(card.rows.len());
         for row in &card.rows {
             let number = row.id(card, 0, "the number of a node")?;
+            if number > LARGEST {
+                return Err(card.fault_at(
+                    row.place,
+                    format!(
+                        "numbers of nodes and elements have at most ten digits, found {number}"
+                    ),
+                ));
+            }
             let mut point = [0.0; 3];
             for (d, x) in point.iter_mut().enumerate() {
                 *x = row.number_or(card, d + 1, 0.0)?;
@@ -350,6 +361,12 @@ impl Deck {
         count: usize,
     ) -> Result<Index, Fault> {
         let (place, number) = ids[0];
+        if number > LARGEST {
+            return Err(card.fault_at(
+                place,
+                format!("numbers of nodes and elements have at most ten digits, found {number}"),
+            ));
+        }
         if ids.len() != count + 1 {
             let name = &self.kinds[kind].0;
             let message = format!(
@@ -400,9 +417,24 @@ impl Deck {
                 } else {
                     row.id(card, 2, "an increment")?
                 };
-                let numbers = (first..=last).step_by(step as usize);
+                if last < first {
+                    return Err(card.fault_at(
+                        row.place,
+                        format!("GENERATE from {first} to {last}: the first is the smaller"),
+                    ));
+                }
                 // numbers between that do not exist are passed over, as they are by CalculiX
-                members.extend(numbers.filter_map(|number| index.get(&number)));
+                let within =
+                    |number: &u64| (first..=last).contains(number) && (number - first) % step == 0;
+                let mut numbers: Vec<u64> = match (last - first) / step < index.len() as u64 {
+                    true => (first..=last)
+                        .step_by(step as usize)
+                        .filter(|n| index.contains_key(n))
+                        .collect(),
+                    false => index.keys().copied().filter(within).collect(),
+                };
+                numbers.sort_unstable();
+                members.extend(numbers.iter().map(|number| index[number]));
                 continue;
             }
             for field in row.fields.iter().filter(|field| !field.is_empty()) {
@@ -565,6 +597,9 @@ impl Deck {
             return Ok(vec![known.ok_or_else(missing)?]);
         }
         match self.element_sets.get(&folded(field)) {
+            Some(set) if set.members.is_empty() => {
+                Err(card.fault_at(row.place, format!("ELSET `{field}` is empty")))
+            }
             Some(set) => Ok(set.members.clone()),
             None => Err(unknown(
                 card,
@@ -594,6 +629,9 @@ impl Deck {
     /// A set of nodes.
     pub fn node_set(&self, card: &Card, place: Place, name: &str) -> Result<&Set, Fault> {
         let known = self.node_sets.get(&folded(name));
+        if known.is_some_and(|set| set.members.is_empty()) {
+            return Err(card.fault_at(place, format!("NSET `{name}` is empty")));
+        }
         known.ok_or_else(|| {
             unknown(
                 card,
@@ -638,7 +676,13 @@ fn known(card: &Card) -> Result<(), Fault> {
     if let Becomes::Refused(why) = becomes {
         return Err(card.fault(*why));
     }
-    for (name, _) in &card.parameters {
+    for (k, (name, _)) in card.parameters.iter().enumerate() {
+        if card.parameters[..k]
+            .iter()
+            .any(|(before, _)| before == name)
+        {
+            return Err(card.fault(format!("the parameter {name} is given twice")));
+        }
         if !parameters.contains(&name.as_str()) {
             let words = parameters.to_vec().join(", ");
             let known = if words.is_empty() {

@@ -24,6 +24,7 @@ mod lines;
 mod msh;
 mod names;
 mod number;
+mod reach;
 mod results;
 mod steps;
 

@@ -149,7 +149,7 @@ pub(crate) fn number(text: &str) -> Option<f64> {
 pub(crate) fn cards(path: &Path) -> Result<(Sources, Vec<Card>), DeckError> {
     let mut reader = Reader::default();
     let name = path.display().to_string();
-    let read = dotyk::host::read_text(path);
+    let read = text_of(path);
     let text = read.map_err(|why| DeckError::Unreadable { name, why })?;
     let done = reader.file(path, text, &mut Vec::new());
     match done {
@@ -185,12 +185,12 @@ impl Reader {
             }
             if let Some((start, mut first)) = going_on.take() {
                 first.push_str(line);
-                match line.ends_with(',') {
+                match line.ends_with(',') && goes_on(&text, index, &first) {
                     true => going_on = Some((start, first)),
                     false => self.keyword(start, &first, above)?,
                 }
             } else if line.starts_with('*') {
-                match line.ends_with(',') && goes_on(&text, index) {
+                match line.ends_with(',') && goes_on(&text, index, line) {
                     true => going_on = Some((place, line.to_string())),
                     false => self.keyword(place, line, above)?,
                 }
@@ -243,7 +243,7 @@ impl Reader {
         if above.contains(&path) || above.len() >= DEEPEST {
             return Err(card.fault(format!("{} includes itself", path.display())));
         }
-        let text = dotyk::host::read_text(&path);
+        let text = text_of(&path);
         let text = text.map_err(|why| card.fault(format!("{}: {why}", path.display())))?;
         self.file(&path, text, above)
     }
@@ -269,11 +269,32 @@ impl Reader {
     }
 }
 
-/// Whether a line that ends with a comma goes on below: the next line that counts has a parameter, and is no line of data.
-fn goes_on(text: &str, index: usize) -> bool {
+/// Whether a line that ends with a comma goes on below: the next line that counts has a parameter of the keyword, or `=`, and is no line
+/// of data, which begins with a number or the name of a set.
+fn goes_on(text: &str, index: usize, keyword: &str) -> bool {
     let below = text.lines().skip(index + 1).map(str::trim);
     let mut below = below.filter(|line| !line.is_empty() && !line.starts_with("**"));
     let next = below.next().unwrap_or_default();
-    // parameters are words, with or without a value; data begin with a number or the name of a set, and have no `=`
-    !next.starts_with('*') && next.contains('=')
+    let word = keyword
+        .trim_start_matches('*')
+        .split(',')
+        .next()
+        .unwrap_or_default();
+    let first = next.split(',').next().unwrap_or_default();
+    let known = entry(word).is_some_and(|entry| parameter(entry, first).is_some());
+    !next.starts_with('*') && (next.contains('=') || known)
+}
+
+/// The text of a file; what is not UTF-8 is taken character by character, and a mark of byte order is passed over.
+fn text_of(path: &Path) -> Result<String, String> {
+    let text = dotyk::host::read_text(path).or_else(|why| match std::fs::read(path) {
+        // comments of other languages, in a code of one byte
+        Ok(bytes) if why.contains("UTF-8") && !bytes.contains(&0) => {
+            Ok(bytes.into_iter().map(char::from).collect())
+        }
+        _ => Err(why),
+    })?;
+    Ok(text
+        .strip_prefix('\u{feff}')
+        .map_or(text.clone(), str::to_string))
 }

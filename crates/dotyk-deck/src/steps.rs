@@ -18,8 +18,8 @@ pub(crate) struct Course {
     pub of: String,
     /// One for each step; `None` where it is not there.
     pub values: Vec<Option<f64>>,
-    /// It holds what was reached before.
-    pub fixed: bool,
+    /// Whether it holds what was reached when it came, step by step.
+    pub fixed: Vec<bool>,
 }
 
 /// What a value at a step depends on.
@@ -29,6 +29,7 @@ struct Current {
     of: String,
     parts: Vec<(f64, Option<String>)>,
     fixed: bool,
+    keyword: String,
 }
 
 /// Courses by what they act on.
@@ -52,53 +53,52 @@ impl<K> Default for Courses<K> {
 
 impl<K: Ord + Clone> Courses<K> {
     /// A value from a line. With `adds` a second one in the same step adds to the first.
-    fn give(
-        &mut self,
-        key: K,
-        (place, of): (Place, &str),
-        part: (f64, Option<String>),
-        adds: bool,
-    ) {
+    fn give(&mut self, key: K, from: &From<'_>, part: (f64, Option<String>), adds: bool) {
         let first = self.touched.insert(key.clone());
         match self.now.get_mut(&key) {
             Some(current) if adds && !first => current.parts.push(part),
             _ => {
-                let (of, parts) = (of.to_string(), vec![part]);
-                self.now.insert(
-                    key,
-                    Current {
-                        place,
-                        of,
-                        parts,
-                        fixed: false,
-                    },
-                );
+                let current = Current {
+                    place: from.place,
+                    of: from.of.to_string(),
+                    parts: vec![part],
+                    fixed: from.fixed,
+                    keyword: from.keyword.to_string(),
+                };
+                self.now.insert(key, current);
             }
         }
     }
 
-    /// Takes away what is there.
-    fn clear(&mut self) {
-        self.now.clear();
-        self.touched.clear();
+    /// Takes away what a keyword has brought.
+    fn clear(&mut self, keyword: &str) {
+        self.now.retain(|_, current| current.keyword != keyword);
+        self.touched.retain(|key| self.now.contains_key(key));
+    }
+
+    /// The value at the end of the last step, if it was there.
+    fn reached(&self, key: &K, steps: usize) -> Option<f64> {
+        let values = &self.all.get(key)?.values;
+        values.get(steps.checked_sub(1)?).copied().flatten()
     }
 
     /// Writes down the values at the end of a step.
     fn end(&mut self, step: usize, factor: impl Fn(&Option<String>) -> f64) {
         for (key, current) in &self.now {
-            let value = current
-                .parts
-                .iter()
+            let parts = current.parts.iter();
+            let value = parts
                 .map(|(value, amplitude)| value * factor(amplitude))
                 .sum();
             let course = self.all.entry(key.clone()).or_insert_with(|| Course {
                 place: current.place,
                 of: current.of.clone(),
                 values: Vec::new(),
-                fixed: current.fixed,
+                fixed: Vec::new(),
             });
             course.values.resize(step, None);
             course.values.push(Some(value));
+            course.fixed.resize(step, false);
+            course.fixed.push(current.fixed);
         }
         self.touched.clear();
     }
@@ -107,6 +107,26 @@ impl<K: Ord + Clone> Courses<K> {
     fn close(&mut self, steps: usize) {
         for course in self.all.values_mut() {
             course.values.resize(steps, None);
+            course.fixed.resize(steps, false);
+        }
+    }
+}
+
+/// Where a value comes from.
+struct From<'c> {
+    place: Place,
+    of: &'c str,
+    keyword: &'c str,
+    fixed: bool,
+}
+
+impl<'c> From<'c> {
+    fn row(card: &'c Card, row: &'c Row) -> Self {
+        Self {
+            place: row.place,
+            of: row.field(0),
+            keyword: &card.keyword,
+            fixed: false,
         }
     }
 }
@@ -114,10 +134,11 @@ impl<K: Ord + Clone> Courses<K> {
 /// What is written of a step.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Request {
-    pub place: Place,
     /// `NODE PRINT` and so on; `NODE FILE` for its other name, too.
     pub keyword: String,
     pub set: Option<String>,
+    /// Slave and master of *CONTACT PRINT, in capitals.
+    pub pair: [Option<String>; 2],
     pub totals: Option<String>,
     /// Names of results in capitals.
     pub quantities: Vec<String>,
@@ -142,9 +163,8 @@ pub(crate) struct Acting {
     pub forces: Courses<(Index, u8)>,
     /// Pressure by face, of *DLOAD and of *DSLOAD.
     pub pressures: Courses<Face>,
-    pub surfaces: Courses<String>,
-    /// Acceleration by set of elements and axis.
-    pub gravity: Courses<(String, u8)>,
+    /// Acceleration by element and direction (the bits of a unit vector).
+    pub gravity: Courses<(Index, [u64; 3])>,
     pub temperatures: Courses<Index>,
 }
 
@@ -158,9 +178,15 @@ pub(crate) fn read(
 ) -> Result<(), Fault> {
     for (place, node, freedom) in held {
         let number = deck.numbers[*node as usize].to_string();
+        let from = From {
+            place: *place,
+            of: &number,
+            keyword: "EQUATION",
+            fixed: false,
+        };
         deck.acting
             .held
-            .give((*node, *freedom), (*place, &number), (0.0, None), false);
+            .give((*node, *freedom), &from, (0.0, None), false);
     }
     let mut reader = Reader {
         deck,
@@ -169,6 +195,8 @@ pub(crate) fn read(
         interaction: None,
         requests: Vec::new(),
         asked: BTreeSet::new(),
+        renewed: BTreeSet::new(),
+        statics: false,
     };
     for (at, card) in cards.iter().enumerate() {
         reader.card(card, cards.get(at + 1))?;
@@ -197,7 +225,6 @@ pub(crate) fn read(
     acting.held.close(count);
     acting.forces.close(count);
     acting.pressures.close(count);
-    acting.surfaces.close(count);
     acting.gravity.close(count);
     acting.temperatures.close(count);
     Ok(())
@@ -211,10 +238,31 @@ struct Reader<'d> {
     /// Requests that stand, and those keywords that this step has replaced.
     requests: Vec<Request>,
     asked: BTreeSet<String>,
+    /// Keywords whose OP=NEW has acted in this step: a second one does nothing, as in CalculiX.
+    renewed: BTreeSet<String>,
+    statics: bool,
 }
 
 impl Reader<'_> {
     fn card(&mut self, card: &Card, next: Option<&Card>) -> Result<(), Fault> {
+        const ALONE: [&str; 10] = [
+            "STEP",
+            "END STEP",
+            "MATERIAL",
+            "SURFACE INTERACTION",
+            "COUPLING",
+            "RIGID BODY",
+            "CLEARANCE",
+            "CHANGE FRICTION",
+            "CHANGE SURFACE BEHAVIOR",
+            "DISTRIBUTING",
+        ];
+        if let (true, Some(row)) = (ALONE.contains(&card.keyword.as_str()), card.rows.first()) {
+            return Err(card.fault_at(
+                row.place,
+                "no data belong here: a line with a keyword is missing above",
+            ));
+        }
         if let Some((_, _, Becomes::Ignored(why))) = entry(&card.keyword) {
             self.deck
                 .note(card.place, &card.keyword, &format!("passed over, {why}"));
@@ -323,7 +371,7 @@ impl Reader<'_> {
                 let poisson = row.number(card, 1, "Poisson's ratio")?;
                 if young <= 0.0 || !(poisson > -1.0 && poisson < 0.5) {
                     let message = format!(
-                        "E must be positive and ν in (-1, 0.5), found {young} and {poisson}"
+                        "E must be positive and ν in (-1, 0.5), found {young:?} and {poisson:?}"
                     );
                     return Err(card.fault_at(row.place, message));
                 }
@@ -355,7 +403,7 @@ impl Reader<'_> {
         if let (Some(value), Some(row)) = (thickness.filter(|t| *t <= 0.0), row) {
             return Err(card.fault_at(
                 row.place,
-                format!("the thickness must be positive, found {value}"),
+                format!("the thickness must be positive, found {value:?}"),
             ));
         }
         self.deck.sections.push(Section {
@@ -421,7 +469,7 @@ impl Reader<'_> {
         if value < 0.0 {
             return Err(card.fault_at(
                 row.place,
-                format!("the coefficient of friction must not be negative, found {value}"),
+                format!("the coefficient of friction must not be negative, found {value:?}"),
             ));
         }
         if !row.field(1).is_empty() {
@@ -530,6 +578,12 @@ impl Reader<'_> {
                 return Err(card.fault(format!("{word} is not supported: model the whole, or a sector between planes of symmetry")));
             }
         }
+        if card
+            .word("ADJUST")
+            .is_some_and(|word| word != "YES" && word != "NO")
+        {
+            return Err(card.fault("ADJUST is YES or NO"));
+        }
         let tolerance = card.get("POSITION TOLERANCE");
         let tolerance = tolerance.map(|text| {
             crate::lines::number(text)
@@ -611,15 +665,21 @@ impl Reader<'_> {
         } else {
             Motion::Average
         };
-        let whole = card.rows.iter().all(|row| {
-            let first = row.field(0).parse::<u8>().unwrap_or(1);
-            let last = row.field(1).parse::<u8>().unwrap_or(first);
-            motion == Motion::Average || (first <= 1 && last >= 3)
-        });
-        let by_parts = card.rows.len() == 3
-            && (1..=3).all(|k| card.rows.iter().any(|row| row.field(0) == k.to_string()));
-        if !whole && !by_parts {
-            return Err(card.fault("all of the degrees of freedom 1 to 3 must be coupled"));
+        let axes = self.deck.axes() as u8;
+        let mut coupled = BTreeSet::new();
+        for row in &card.rows {
+            let first = self.freedom(card, row, 0)?;
+            let last = match row.field(1).is_empty() {
+                true => first,
+                false => self.freedom(card, row, 1)?,
+            };
+            coupled.extend(first..=last);
+        }
+        let whole = card.rows.is_empty() || (1..=axes).all(|freedom| coupled.contains(&freedom));
+        if motion == Motion::Rigid && !whole {
+            return Err(card.fault(format!(
+                "all of the degrees of freedom 1 to {axes} must be coupled"
+            )));
         }
         match self
             .deck
@@ -667,10 +727,7 @@ impl Reader<'_> {
             name: of.clone(),
             reference,
             rotation,
-            nodes: nodes
-                .into_iter()
-                .filter(|node| *node != reference)
-                .collect(),
+            nodes,
             motion: Some(Motion::Rigid),
             of,
         });
@@ -729,10 +786,11 @@ impl Reader<'_> {
         if points.is_empty() {
             return Err(card.fault("the table is empty"));
         }
-        self.deck
-            .amplitudes
-            .insert(folded(&name), Amplitude { points, total });
-        Ok(())
+        let amplitude = Amplitude { points, total };
+        match self.deck.amplitudes.insert(folded(&name), amplitude) {
+            None => Ok(()),
+            Some(_) => Err(card.fault(format!("there are two amplitudes {name}"))),
+        }
     }
 
     fn begin(&mut self, card: &Card) -> Result<(), Fault> {
@@ -752,17 +810,36 @@ impl Reader<'_> {
             ..Step::default()
         });
         self.asked.clear();
+        self.renewed.clear();
+        self.statics = false;
         Ok(())
     }
 
     fn statics(&mut self, card: &Card) -> Result<(), Fault> {
+        for word in ["TIME RESET", "TOTAL TIME AT START"] {
+            if card.get(word).is_some() {
+                return Err(card.fault(format!(
+                    "{word} is not supported: time goes on from step to step"
+                )));
+            }
+        }
+        if let [_, second, ..] = &card.rows[..] {
+            return Err(card.fault_at(
+                second.place,
+                "one line of data is enough: increment, and time of the step",
+            ));
+        }
         let period = match card.rows.first() {
-            Some(row) => row.number_or(card, 1, 1.0)?,
+            Some(row) => {
+                row.number_or(card, 0, 1.0)?;
+                row.number_or(card, 1, 1.0)?
+            }
             None => 1.0,
         };
+        self.statics = true;
         if period <= 0.0 {
             return Err(card.fault(format!(
-                "the time of the step must be positive, found {period}"
+                "the time of the step must be positive, found {period:?}"
             )));
         }
         match &mut self.step {
@@ -776,6 +853,15 @@ impl Reader<'_> {
         let Some(mut step) = self.step.take() else {
             return Err(card.fault("there is no *STEP above"));
         };
+        if !self.statics {
+            let (place, keyword) = (step.place, "STEP".to_string());
+            let message = "the step has no *STATIC: nothing says what is solved".to_string();
+            return Err(Fault {
+                place,
+                keyword,
+                message,
+            });
+        }
         let deck = &mut *self.deck;
         let before = deck.steps.last().map_or(0.0, |step| step.time);
         step.time = before + step.period;
@@ -791,7 +877,6 @@ impl Reader<'_> {
         acting.held.end(at, factor);
         acting.forces.end(at, factor);
         acting.pressures.end(at, factor);
-        acting.surfaces.end(at, factor);
         acting.gravity.end(at, factor);
         acting.temperatures.end(at, factor);
         for pair in &mut deck.pairs {
@@ -809,7 +894,7 @@ impl Reader<'_> {
     }
 
     /// The amplitude of a card, and whether it takes away what is there.
-    fn given(&self, card: &Card) -> Result<(Option<String>, bool), Fault> {
+    fn given(&mut self, card: &Card) -> Result<(Option<String>, bool), Fault> {
         for (word, why) in [
             ("TIME DELAY", "amplitudes begin with the step"),
             ("LOAD CASE", "there is one load case"),
@@ -838,6 +923,7 @@ impl Reader<'_> {
         if self.step.is_none() && card.keyword != "BOUNDARY" {
             return Err(card.fault("loads belong within a *STEP"));
         }
+        let new = new && self.renewed.insert(card.keyword.clone());
         Ok((amplitude, new))
     }
 
@@ -847,24 +933,27 @@ impl Reader<'_> {
             return Err(card.fault("displacements are prescribed: TYPE=DISPLACEMENT"));
         }
         if new {
-            self.deck.acting.held.clear();
+            self.deck.acting.held.clear("BOUNDARY");
         }
         let fixed = card.get("FIXED").is_some();
+        let steps = self.deck.steps.len();
         for row in &card.rows {
             let (first, last) = self.freedoms(card, row)?;
             let value = row.number_or(card, 3, 0.0)?;
             for node in self.deck.nodes_of(card, row, 0)? {
                 for freedom in first..=last {
                     let held = &mut self.deck.acting.held;
-                    held.give(
-                        (node, freedom),
-                        (row.place, row.field(0)),
-                        (value, amplitude.clone()),
-                        false,
-                    );
-                    if let Some(current) = held.now.get_mut(&(node, freedom)) {
-                        current.fixed = fixed;
-                    }
+                    let key = (node, freedom);
+                    let reached = held.reached(&key, steps);
+                    let part = match fixed {
+                        true => (reached.unwrap_or(0.0), None),
+                        false => (value, amplitude.clone()),
+                    };
+                    let from = From {
+                        fixed: fixed && reached.is_none(),
+                        ..From::row(card, row)
+                    };
+                    held.give(key, &from, part, false);
                 }
             }
         }
@@ -910,16 +999,16 @@ impl Reader<'_> {
     fn cload(&mut self, card: &Card) -> Result<(), Fault> {
         let (amplitude, new) = self.given(card)?;
         if new {
-            self.deck.acting.forces.clear();
+            self.deck.acting.forces.clear("CLOAD");
         }
         for row in &card.rows {
             let freedom = self.freedom(card, row, 1)?;
             let value = row.number(card, 2, "the force")?;
             for node in self.deck.nodes_of(card, row, 0)? {
-                let from = (row.place, row.field(0));
+                let from = From::row(card, row);
                 self.deck.acting.forces.give(
                     (node, freedom),
-                    from,
+                    &from,
                     (value, amplitude.clone()),
                     true,
                 );
@@ -931,13 +1020,13 @@ impl Reader<'_> {
     fn dload(&mut self, card: &Card) -> Result<(), Fault> {
         let (amplitude, new) = self.given(card)?;
         if new {
-            self.deck.acting.pressures.clear();
-            self.deck.acting.gravity.clear();
+            self.deck.acting.pressures.clear("DLOAD");
+            self.deck.acting.gravity.clear("DLOAD");
         }
         for row in &card.rows {
             let label = folded(row.field(1));
             let value = row.number(card, 2, "the load")?;
-            let from = (row.place, row.field(0));
+            let from = From::row(card, row);
             if label == "GRAV" {
                 self.gravity(card, row, value, &amplitude)?;
                 continue;
@@ -954,7 +1043,7 @@ impl Reader<'_> {
                 self.deck
                     .acting
                     .pressures
-                    .give(face, from, (value, amplitude.clone()), true);
+                    .give(face, &from, (value, amplitude.clone()), true);
             }
         }
         Ok(())
@@ -975,14 +1064,14 @@ impl Reader<'_> {
         if size == 0.0 {
             return Err(card.fault_at(row.place, "GRAV needs a direction in fields 4 to 6"));
         }
-        self.deck.elements_of(card, row)?;
-        let (set, from) = (folded(row.field(0)), (row.place, row.field(0)));
-        for (d, x) in way.iter().enumerate() {
-            let part = (value * x / size, amplitude.clone());
+        let way = way.map(|x| (x / size).to_bits());
+        let from = From::row(card, row);
+        for element in self.deck.elements_of(card, row)? {
+            let part = (value, amplitude.clone());
             self.deck
                 .acting
                 .gravity
-                .give((set.clone(), d as u8 + 1), from, part, false);
+                .give((element, way), &from, part, true);
         }
         Ok(())
     }
@@ -990,7 +1079,7 @@ impl Reader<'_> {
     fn dsload(&mut self, card: &Card) -> Result<(), Fault> {
         let (amplitude, new) = self.given(card)?;
         if new {
-            self.deck.acting.surfaces.clear();
+            self.deck.acting.pressures.clear("DSLOAD");
         }
         for row in &card.rows {
             let name = self.surface(card, row, 0)?;
@@ -1004,11 +1093,11 @@ impl Reader<'_> {
                 );
             }
             let value = row.number(card, 2, "the pressure")?;
-            let from = (row.place, row.field(0));
-            self.deck
-                .acting
-                .surfaces
-                .give(name, from, (value, amplitude.clone()), true);
+            let from = From::row(card, row);
+            for face in self.deck.surfaces[&name].faces.clone() {
+                let part = (value, amplitude.clone());
+                self.deck.acting.pressures.give(face, &from, part, true);
+            }
         }
         Ok(())
     }
@@ -1016,16 +1105,16 @@ impl Reader<'_> {
     fn temperature(&mut self, card: &Card) -> Result<(), Fault> {
         let (amplitude, new) = self.given(card)?;
         if new {
-            self.deck.acting.temperatures.clear();
+            self.deck.acting.temperatures.clear("TEMPERATURE");
         }
         for row in &card.rows {
             let value = row.number(card, 1, "the temperature")?;
             for node in self.deck.nodes_of(card, row, 0)? {
-                let from = (row.place, row.field(0));
+                let from = From::row(card, row);
                 self.deck
                     .acting
                     .temperatures
-                    .give(node, from, (value, amplitude.clone()), false);
+                    .give(node, &from, (value, amplitude.clone()), false);
             }
         }
         Ok(())
@@ -1068,22 +1157,79 @@ impl Reader<'_> {
             return Err(card.fault("it belongs within a *STEP"));
         }
         let set = card.get("NSET").or(card.get("ELSET"));
+        self.check_set(card, keyword, set)?;
         let fields = card.rows.iter().flat_map(|row| &row.fields);
-        let quantities: Vec<String> = fields
-            .filter(|field| !field.is_empty())
-            .map(|field| folded(field))
-            .collect();
+        let fields = fields.filter(|field| !field.is_empty());
+        let quantities: Vec<String> = fields.map(|field| folded(field)).collect();
+        let written: &[&str] = match keyword {
+            "NODE PRINT" | "NODE FILE" => &["U", "RF"],
+            "EL PRINT" | "EL FILE" => &["S", "E"],
+            "CONTACT PRINT" => &["CDIS", "CDISP", "CSTR", "CSTRESS", "CF", "CFN", "CFS"],
+            _ => &["CDIS", "CDISP", "CSTR", "CSTRESS"],
+        };
+        let left = quantities
+            .iter()
+            .filter(|word| !written.contains(&word.as_str()));
+        let left: Vec<&str> = left.map(String::as_str).collect();
+        if !left.is_empty() {
+            self.deck.note(
+                card.place,
+                &card.keyword,
+                &format!("{} is not written", left.join(", ")),
+            );
+        }
+        if keyword.ends_with("FILE") && set.is_some() {
+            self.deck.note(
+                card.place,
+                &card.keyword,
+                "all nodes are written, not those of a set alone",
+            );
+        }
+        let pair = [card.get("SLAVE"), card.get("MASTER")].map(|name| name.map(folded));
+        for name in pair.iter().flatten() {
+            if !self.deck.surfaces.contains_key(name) {
+                return Err(unknown(
+                    card,
+                    card.place,
+                    &format!("surface `{name}`"),
+                    name,
+                    &self.deck.surfaces,
+                ));
+            }
+        }
         // the first request of a kind in a step takes the place of those before
         if self.asked.insert(keyword.to_string()) {
             self.requests.retain(|request| request.keyword != keyword);
         }
+        if card.word("FREQUENCY").is_some_and(|word| word == "0") {
+            return Ok(());
+        }
         self.requests.push(Request {
-            place: card.place,
             keyword: keyword.to_string(),
             set: set.map(str::to_string),
+            pair,
             totals: card.word("TOTALS"),
             quantities,
         });
         Ok(())
+    }
+
+    /// Refuses prints without a set, or of one that does not exist.
+    fn check_set(&self, card: &Card, keyword: &str, set: Option<&str>) -> Result<(), Fault> {
+        match (keyword, set) {
+            ("NODE PRINT", Some(name)) => self.deck.node_set(card, card.place, name).map(|_| ()),
+            ("EL PRINT", Some(name)) if !self.deck.element_sets.contains_key(&folded(name)) => {
+                Err(unknown(
+                    card,
+                    card.place,
+                    &format!("ELSET `{name}`"),
+                    name,
+                    &self.deck.element_sets,
+                ))
+            }
+            ("NODE PRINT", None) => Err(card.fault("NSET=NAME is missing")),
+            ("EL PRINT", None) => Err(card.fault("ELSET=NAME is missing")),
+            _ => Ok(()),
+        }
     }
 }

@@ -13,8 +13,7 @@
 //! exists only where all eigenvalues of MMᵀ exceed δ: singular values of G then lie between [`FAR`] times the largest and the
 //! largest, and the coarse problem MMᵀ = LLᵀ may stand for M. Where the proof fails (bodies that several contacts hold only
 //! together, say) G is decomposed as a whole. A row of n bodies that press each other has singular values down to 1/n, a tower whose
-//! joints bear shear down to 1/n²: the proof succeeds for rows of ten thousand bodies and towers of some hundred. MMᵀ = LLᵀ is then
-//! good to the square of FAR, 1e-10, times rounding.
+//! joints bear shear down to 1/n²: the proof succeeds for rows of ten thousand bodies and towers of some hundred.
 
 use crate::dual::modes::transposed;
 use crate::dual::{Mat, Modes};
@@ -26,8 +25,14 @@ use std::ops::Range;
 /// Fewest modes that are split body by body: with fewer the whole decomposition is fast.
 pub(super) const MANY: usize = 96;
 
+/// Fewest modes of which smaller singular values count as far from zero, as the decomposition of G as a whole takes minutes.
+const VERY_MANY: usize = 500;
+
 /// Singular values above this part of the largest are far from zero.
-const FAR_FROM_ZERO: f64 = 1e-5;
+const FAR_FROM_ZERO: f64 = 1e-3;
+
+/// The same of very many modes: the coarse problem is then less accurate, and more steps are needed.
+const FAR_OF_VERY_MANY: f64 = 1e-5;
 
 /// Most modes that are taken together.
 const TOGETHER: usize = 12;
@@ -63,7 +68,11 @@ impl Split {
     /// Errors: a singular value decomposition that does not converge; entries are not finite.
     pub fn new(modes: &Modes) -> Result<Self, LinalgError> {
         let many = modes.nrows() >= MANY;
-        let by_body = many.then(|| Self::by_body(&modes.rows())).flatten();
+        let far = match modes.nrows() >= VERY_MANY {
+            true => FAR_OF_VERY_MANY,
+            false => FAR_FROM_ZERO,
+        };
+        let by_body = many.then(|| Self::decoupled(&modes.rows(), far)).flatten();
         by_body.map_or_else(|| Self::as_a_whole(modes), Ok)
     }
 
@@ -86,6 +95,11 @@ impl Split {
 
     /// Splits the rows of G, each (m,), body by body; `None` where some bodies are held only together.
     pub fn by_body(rows: &[SparseVector]) -> Option<Self> {
+        Self::decoupled(rows, FAR_FROM_ZERO)
+    }
+
+    /// The same, where singular values above this part of the largest are far from zero.
+    fn decoupled(rows: &[SparseVector], far: f64) -> Option<Self> {
         let (r, m) = (rows.len(), rows.first()?.len());
         let entries = rows.iter().flat_map(SparseVector::entries);
         let largest = entries.fold(0.0, |s: f64, (_, g)| s.max(g.abs()));
@@ -110,8 +124,7 @@ impl Split {
         let gram = WeightedGram::new(split.rows.len(), &columns).ok()?;
         let sizes = split.rows.iter().map(|row| row.norm().powi(2));
         let size = sizes.fold(0.0, f64::max);
-        gram.factor(&columns, |_, _| 1.0, -FAR_FROM_ZERO * FAR_FROM_ZERO * size)
-            .ok()?;
+        gram.factor(&columns, |_, _| 1.0, -far * far * size).ok()?;
         split.coarse = Some(gram.factor(&columns, |_, _| 1.0, 0.0).ok()?);
         Some(split)
     }
