@@ -226,6 +226,119 @@ fn decks_without_an_answer_end_with_the_status_of_ccx() {
     assert_eq!(output.status.code(), Some(201), "{}", told(&output));
 }
 
+/// A cube of E = 1000 and density 2 that is held at its floor, with the top as a set, a surface and the element `All`.
+const CUBE: &str = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
+    *ELEMENT, TYPE=C3D8I, ELSET=All\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=Floor\n1, 2, 3, 4\n*NSET, NSET=Top\n5, 6, 7, 8\n\
+    *SURFACE, NAME=Roof\nAll, S2\n*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n*DENSITY\n2.\n*SOLID SECTION, ELSET=All, MATERIAL=M\n\
+    *AMPLITUDE, NAME=Ramp\n0., 0., 4., 1.\n*AMPLITUDE, NAME=Total, TIME=TOTAL TIME\n0., 0., 4., 1.\n*BOUNDARY\nFloor, 1, 3\n";
+
+/// 1000 times the displacement of the top at the end of each step.
+fn lifted(name: &str, steps: &[&str]) -> Vec<f64> {
+    let folder = folder(name, &[]);
+    let steps = steps
+        .iter()
+        .map(|step| format!("*STEP\n*STATIC\n1., 1.\n{step}*NODE PRINT, NSET=Top\nU\n*END STEP\n"));
+    let text = CUBE.to_string() + &steps.collect::<String>();
+    std::fs::write(folder.join("cube.inp"), text).unwrap();
+    let run = dotyk(&folder, &["run", "cube.inp", "--out", "out", "--quiet"]);
+    assert!(run.status.success(), "{name}: {}", told(&run));
+    let dat = std::fs::read_to_string(folder.join("out/cube.dat")).unwrap();
+    tables(&dat)
+        .iter()
+        .map(|(_, rows)| 1e3 * rows[0][3])
+        .collect()
+}
+
+#[test]
+fn loads_and_supports_go_on_from_step_to_step_as_in_calculix() {
+    let cases: &[(&str, &[&str], &[f64])] = &[
+        // a line that names a load again in the same step adds, in a later step it replaces
+        (
+            "adds",
+            &[
+                "*CLOAD\nTop, 3, 1.\nTop, 3, 0.5\n",
+                "",
+                "*CLOAD\nTop, 3, 2.\n",
+            ],
+            &[6.0, 6.0, 8.0],
+        ),
+        (
+            "new",
+            &[
+                "*CLOAD\nTop, 3, 1.\n*DLOAD\nAll, P2, -1.\n",
+                "*CLOAD, OP=NEW\nTop, 3, 0.25\n",
+            ],
+            &[5.0, 2.0],
+        ),
+        // of two cards with OP=NEW in a step the first acts
+        (
+            "new-twice",
+            &[
+                "*CLOAD\nTop, 3, 9.\n",
+                "*CLOAD, OP=NEW\nTop, 3, 1.\n*CLOAD, OP=NEW\n5, 3, 1.\n6, 3, 1.\n7, 3, 1.\n8, 3, 1.\n",
+            ],
+            &[36.0, 8.0],
+        ),
+        // pressure on a face, by element or by surface
+        (
+            "pressure",
+            &[
+                "*DSLOAD\nRoof, P, -2.\n",
+                "*DLOAD\nAll, P2, -1.\n",
+                "*DLOAD, OP=NEW\n",
+            ],
+            &[2.0, 1.0, 0.0],
+        ),
+        // half of the weight stretches: density times acceleration over 2E
+        (
+            "weight",
+            &[
+                "*DLOAD\nAll, GRAV, 4., 0., 0., 1.\n1, GRAV, 2., 0., 0., 3.\n",
+                "*DLOAD\nAll, GRAV, 1., 0., 0., 1.\n",
+            ],
+            &[6.0, 1.0],
+        ),
+        (
+            "amplitude",
+            &[
+                "*CLOAD, AMPLITUDE=Ramp\nTop, 3, 4.\n",
+                "",
+                "*CLOAD, OP=NEW, AMPLITUDE=Total\nTop, 3, 4.\n",
+            ],
+            &[4.0, 4.0, 12.0],
+        ),
+        // what is held stays where it is
+        (
+            "fixed",
+            &[
+                "*BOUNDARY\nTop, 3, 3, 0.01\n",
+                "*BOUNDARY, FIXED\nTop, 3, 3\n",
+                "*BOUNDARY\nTop, 3, 3, 0.02\n",
+            ],
+            &[10.0, 10.0, 20.0],
+        ),
+        (
+            "fixed-free",
+            &[
+                "*CLOAD\nTop, 3, 1.\n",
+                "*BOUNDARY, FIXED\nTop, 3, 3\n*CLOAD, OP=NEW\n",
+                "",
+            ],
+            &[4.0, 4.0, 4.0],
+        ),
+    ];
+    for (name, steps, wanted) in cases {
+        let found = lifted(name, steps);
+        assert_eq!(found.len(), wanted.len(), "{name}: {found:?}");
+        for (a, b) in found.iter().zip(*wanted) {
+            assert!(
+                (a - b).abs() < 1e-5,
+                "{name}: {found:?}, and not {wanted:?}"
+            );
+        }
+    }
+}
+
 /// What is replaced in `press.inp`, by what, text on the line that is told, words of the message.
 type Mistake = (&'static str, &'static str, &'static str, &'static str);
 
@@ -253,6 +366,17 @@ const MISTAKES: &[Mistake] = &[
     ("0.5, 1e4\n", "-0.5\n", "-0.5", "must not be negative"),
     ("*Step\n", "*Include, input=none.inp\n*Step\n", "*Include", "none.inp"),
     ("*Step\n", "*Include, input=press.inp\n*Step\n", "*Include", "includes itself"),
+    ("*Dload\n", "*Cload\nNone, 1, 1.\n*Dload\n", "None, 1", "there is no NSET `None`"),
+    ("*Nset, nset=Left, generate\n11, 18, 1\n", "*Nset, nset=Left, generate\n18, 11, 1\n", "18, 11", "the first is the smaller"),
+    ("*Nset, nset=Left, generate\n11, 18, 1\n", "*Nset, nset=Left\n*Rigid body, nset=Left, ref node=1\n", "*Rigid body", "is empty"),
+    ("*Static\n", "*Static\nHigh, P2, 1.\n", "High, P2, 1.", "expected a number in field 1"),
+    ("*Static\n", "", "*Step", "has no *STATIC"),
+    ("*Static\n", "*Static, time reset\n", "*Static", "TIME RESET is not supported"),
+    ("nset=All\nU", "nset=Al\nU", "nset=Al", "there is no NSET `Al`"),
+    ("*Node print, nset=All", "*Node print", "*Node print", "NSET=NAME is missing"),
+    ("slave=Upper, master", "slave=Uper, master", "slave=Uper", "there is no surface `UPER`"),
+    ("18, 0, 1, 2\n", "18, 0, 1, 2\n99999999999, 0, 0, 0\n", "99999999999", "at most ten digits"),
+    ("*Boundary\n", "*Boundary, fixed, fixed\n", "*Boundary", "FIXED is given twice"),
     // what only the case shows
     ("Floor, 1, 3\n", "Floor, 1, 2\n", "*Solid section, elset=Low", "body \"Low\" is not held"),
 ];

@@ -243,14 +243,9 @@ impl<'d> Writer<'d> {
     fn couples(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
         let couplings = std::mem::take(&mut self.deck.couplings);
         for coupling in &couplings {
-            let keyword = match (coupling.motion, coupling.rotation) {
-                (Some(Motion::Parallel), _) => "EQUATION",
-                (_, Some(_)) => "RIGID BODY",
-                _ => "COUPLING",
-            };
             let fault = |message: String| Fault {
                 place: coupling.place,
-                keyword: keyword.to_string(),
+                keyword: coupling.keyword.clone(),
                 message,
             };
             let (by_body, loose) = self.bodies.split(&coupling.nodes);
@@ -560,7 +555,7 @@ impl<'d> Writer<'d> {
         // lines of one set with the same value are one load
         let mut first: BTreeMap<(String, Vec<Option<u64>>), Place> = BTreeMap::new();
         for (face, course) in &faces {
-            self.outer(&[*face], course.place, "DLOAD")?;
+            self.outer(&[*face], course.place, &course.keyword)?;
             let of = match course.of.parse::<u64>() {
                 Ok(_) => "pressed".to_string(),
                 Err(_) => course.of.clone(),

@@ -114,6 +114,8 @@ pub(crate) enum Motion {
 #[derive(Debug)]
 pub(crate) struct Coupling {
     pub place: Place,
+    /// That of its line.
+    pub keyword: String,
     pub name: String,
     pub reference: Index,
     /// The node whose degrees of freedom 1 to 3 are the rotations of the point; otherwise 4 to 6 of the reference.

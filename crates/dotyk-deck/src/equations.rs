@@ -162,6 +162,7 @@ pub(crate) fn rigid_sides(deck: &mut Deck, equal: &[Equal], axes: usize) -> Resu
         }
         deck.couplings.push(Coupling {
             place,
+            keyword: "EQUATION".to_string(),
             name: "equation".to_string(),
             reference,
             rotation: None,

@@ -16,6 +16,7 @@ pub(crate) struct Course {
     /// The line that brought it, and the name of the set in that line.
     pub place: Place,
     pub of: String,
+    pub keyword: String,
     /// One for each step; `None` where it is not there.
     pub values: Vec<Option<f64>>,
     /// Whether it holds what was reached when it came, step by step.
@@ -92,6 +93,7 @@ impl<K: Ord + Clone> Courses<K> {
             let course = self.all.entry(key.clone()).or_insert_with(|| Course {
                 place: current.place,
                 of: current.of.clone(),
+                keyword: current.keyword.clone(),
                 values: Vec::new(),
                 fixed: Vec::new(),
             });
@@ -649,6 +651,7 @@ impl Reader<'_> {
         let reference = self.reference(card, "REF NODE")?;
         self.deck.couplings.push(Coupling {
             place: card.place,
+            keyword: card.keyword.clone(),
             name: card.get("CONSTRAINT NAME").unwrap_or(&surface).to_string(),
             reference,
             rotation: None,
@@ -724,6 +727,7 @@ impl Reader<'_> {
         let reference = self.reference(card, "REF NODE")?;
         self.deck.couplings.push(Coupling {
             place: card.place,
+            keyword: card.keyword.clone(),
             name: of.clone(),
             reference,
             rotation,

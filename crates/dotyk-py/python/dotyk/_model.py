@@ -442,7 +442,7 @@ class Model:
         obstacle: Table | None = None,
         reach: float | None = None,
         pairing: str | None = None,
-        gap: Number | None = None,
+        gap: Number | Table | None = None,
         friction: Number | Table | None = None,
         tied: bool | None = None,
         exclude: Sequence[Any] | None = None,

@@ -68,11 +68,7 @@ impl Split {
     /// Errors: a singular value decomposition that does not converge; entries are not finite.
     pub fn new(modes: &Modes) -> Result<Self, LinalgError> {
         let many = modes.nrows() >= MANY;
-        let far = match modes.nrows() >= VERY_MANY {
-            true => FAR_OF_VERY_MANY,
-            false => FAR_FROM_ZERO,
-        };
-        let by_body = many.then(|| Self::decoupled(&modes.rows(), far)).flatten();
+        let by_body = many.then(|| Self::by_body(&modes.rows())).flatten();
         by_body.map_or_else(|| Self::as_a_whole(modes), Ok)
     }
 
@@ -95,11 +91,10 @@ impl Split {
 
     /// Splits the rows of G, each (m,), body by body; `None` where some bodies are held only together.
     pub fn by_body(rows: &[SparseVector]) -> Option<Self> {
-        Self::decoupled(rows, FAR_FROM_ZERO)
-    }
-
-    /// The same, where singular values above this part of the largest are far from zero.
-    fn decoupled(rows: &[SparseVector], far: f64) -> Option<Self> {
+        let far = match rows.len() >= VERY_MANY {
+            true => FAR_OF_VERY_MANY,
+            false => FAR_FROM_ZERO,
+        };
         let (r, m) = (rows.len(), rows.first()?.len());
         let entries = rows.iter().flat_map(SparseVector::entries);
         let largest = entries.fold(0.0, |s: f64, (_, g)| s.max(g.abs()));

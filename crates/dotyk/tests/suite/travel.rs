@@ -2,7 +2,7 @@
 //! named, with how much of the load is held; and results with a sign are told for the side that is named first.
 
 use crate::friction::Random;
-use dotyk::case::Case;
+use dotyk::case::{AnyCase, Case};
 use dotyk::model::{Error, Intrusion, Objection, Solution};
 use std::path::Path;
 
@@ -685,4 +685,68 @@ fix = [{{ side = "inner", x = "-{angle}*y", y = "{angle}*x" }}]
     };
     assert!(turned(0.02).is_ok());
     assert!(turned(0.1).is_ok());
+}
+
+#[test]
+fn gaps_up_to_adjust_count_as_closed() {
+    // a block above another one, pressed by 1 of 1000: its top goes down by the gap and by 1e-3 for each of the two
+    let top = |gap: &str, apart: f64, analysis: &str| {
+        let space = analysis == "3d";
+        let (z, zero, cells) = if space {
+            (", 0.0", ", z = 0.0", ", 2")
+        } else {
+            ("", "", "")
+        };
+        let (kind, high, side) = match space {
+            true => ("box", "1.0, 1.0", "top"),
+            false => ("rectangle", "1.0", "top"),
+        };
+        // the last coordinate is up
+        let block = |name: &str, from: f64, n: usize, rest: &str| {
+            let low = if space { "0.0, 0.0" } else { "0.0" };
+            let to = from + 1.0;
+            format!(
+                "[[body]]\nname = \"{name}\"\nmesh = {{ {kind} = {{ from = [{low}, {from:?}], to = [{high}, {to:?}], cells = [{n}, {n}{cells}] }} }}\n\
+                 material = {{ young = 1000.0, poisson = 0.0 }}\n{rest}\n"
+            )
+        };
+        let up = if space { "z" } else { "y" };
+        let held = format!("fix = [{{ side = \"bottom\", x = 0.0, y = 0.0{zero} }}]");
+        let free = if space { "x = 0.0, y = 0.0" } else { "x = 0.0" };
+        let pressed = format!(
+            "fix = [{{ side = \"top\", {free} }}]\nload = [{{ side = \"{side}\", pressure = 1.0 }}]"
+        );
+        let text = format!(
+            "analysis = \"{analysis}\"\n{}{}[[contact]]\nname = \"c\"\nnonmortar = \"high.bottom\"\nmortar = \"low.top\"\ngap = {gap}\n\
+             [[probe]]\nname = \"top\"\nquantity = \"high.displacement.{up}\"\nat = [0.5{z}, {:?}]\n",
+            block("low", 0.0, 3, &held),
+            block("high", 1.0 + apart, 2, &pressed),
+            2.0 + apart
+        );
+        let text = if space {
+            text.replace("at = [0.5, 0.0, ", "at = [0.5, 0.5, ")
+        } else {
+            text
+        };
+        match AnyCase::from_str(&text, "adjust.toml", Path::new(".")).unwrap() {
+            AnyCase::Plane(case) => case.run(&[], &mut |_| {}).steps[0].probes[0].value,
+            AnyCase::Space(case) => case.run(&[], &mut |_| {}).steps[0].probes[0].value,
+        }
+    };
+    for analysis in ["plane-strain", "3d"] {
+        for (gap, apart, moved) in [
+            ("\"geometric\"", 0.01, 0.012),
+            ("{ adjust = 0.005 }", 0.01, 0.012),
+            ("{ adjust = 0.02 }", 0.01, 0.002),
+            // overlaps count as closed, whatever the length
+            ("{ adjust = 0.0 }", -0.01, 0.002),
+            ("\"geometric\"", -0.001, 0.001),
+        ] {
+            let found = top(gap, apart, analysis);
+            assert!(
+                (found + moved).abs() < 1e-9,
+                "{analysis} {gap} {apart}: {found}"
+            );
+        }
+    }
 }
