@@ -18,6 +18,12 @@ const SAME: f64 = 1e-9;
 /// A part of the typical edge within which CalculiX ties by default.
 const TIED: f64 = 0.025;
 
+/// Values of a course in its steps, by their bits; `None` where it is not there.
+type Values = Vec<Option<u64>>;
+
+/// Degrees of freedom with their courses.
+type Freedoms = Vec<(u8, Values)>;
+
 /// The text of a case with the line of the deck that each of its lines comes from.
 #[derive(Debug, Default)]
 pub(crate) struct Text {
@@ -336,7 +342,7 @@ impl<'d> Writer<'d> {
         let held = std::mem::take(&mut self.deck.acting.held.all);
         let steps = self.deck.steps.clone();
         // nodes with the same line and the same values are one support
-        type Key = (Place, String, Vec<(u8, Vec<Option<u64>>)>);
+        type Key = (Place, String, Freedoms);
         let mut alike: BTreeMap<Key, Vec<Index>> = BTreeMap::new();
         let mut by_node: BTreeMap<(Index, Place), Vec<(u8, &Course)>> = BTreeMap::new();
         for ((node, freedom), course) in &held {
@@ -351,7 +357,7 @@ impl<'d> Writer<'d> {
             }
         }
         // nodes that lines name by their numbers belong together where their values are the same
-        let mut first: BTreeMap<Vec<(u8, Vec<Option<u64>>)>, Place> = BTreeMap::new();
+        let mut first: BTreeMap<Freedoms, Place> = BTreeMap::new();
         for ((node, place), courses) in &by_node {
             let values = courses.iter();
             let values = values.map(|(freedom, course)| (*freedom, course.key()));
@@ -391,7 +397,7 @@ impl<'d> Writer<'d> {
     }
 
     /// Components with the stretches in which they are there; those of the same stretch are one entry.
-    fn merged(&self, values: &[(u8, Vec<Option<u64>>)], steps: &[Step]) -> Vec<(String, String)> {
+    fn merged(&self, values: &[(u8, Values)], steps: &[Step]) -> Vec<(String, String)> {
         let mut by_time: BTreeMap<String, Vec<String>> = BTreeMap::new();
         for (freedom, key) in values {
             let own: Vec<Option<f64>> = key.iter().map(|bits| bits.map(f64::from_bits)).collect();
@@ -453,7 +459,7 @@ impl<'d> Writer<'d> {
     fn forces(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
         let forces = std::mem::take(&mut self.deck.acting.forces.all);
         let steps = self.deck.steps.clone();
-        type Key = (Place, String, Vec<(u8, Vec<Option<u64>>)>);
+        type Key = (Place, String, Freedoms);
         let mut alike: BTreeMap<Key, Vec<Index>> = BTreeMap::new();
         let mut by_node: BTreeMap<(Index, String), Vec<(u8, &Course)>> = BTreeMap::new();
         let axes = self.axes();
@@ -551,9 +557,10 @@ impl<'d> Writer<'d> {
     fn pressures(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
         let steps = self.deck.steps.clone();
         let faces = std::mem::take(&mut self.deck.acting.pressures.all);
-        let mut alike: BTreeMap<(Place, Vec<Option<u64>>), (String, Vec<Face>)> = BTreeMap::new();
+        type Pressed = (String, Vec<Face>);
+        let mut alike: BTreeMap<(Place, Values), Pressed> = BTreeMap::new();
         // lines of one set with the same value are one load
-        let mut first: BTreeMap<(String, Vec<Option<u64>>), Place> = BTreeMap::new();
+        let mut first: BTreeMap<(String, Values), Place> = BTreeMap::new();
         for (face, course) in &faces {
             self.outer(&[*face], course.place, &course.keyword)?;
             let of = match course.of.parse::<u64>() {
@@ -1153,9 +1160,7 @@ fn linear(points: &[[f64; 3]], values: &[f64]) -> Option<[f64; 4]> {
             matrix[i][i] = 1.0;
         }
         let pivot = matrix[i][i];
-        for j in 0..5 {
-            matrix[i][j] /= pivot;
-        }
+        matrix[i].iter_mut().for_each(|entry| *entry /= pivot);
         let own = matrix[i];
         for (k, other) in matrix.iter_mut().enumerate() {
             if k != i {

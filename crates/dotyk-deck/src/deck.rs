@@ -426,8 +426,9 @@ impl Deck {
                     ));
                 }
                 // numbers between that do not exist are passed over, as they are by CalculiX
-                let within =
-                    |number: &u64| (first..=last).contains(number) && (number - first) % step == 0;
+                let within = |number: &u64| {
+                    (first..=last).contains(number) && (number - first).is_multiple_of(step)
+                };
                 let mut numbers: Vec<u64> = match (last - first) / step < index.len() as u64 {
                     true => (first..=last)
                         .step_by(step as usize)
