@@ -55,20 +55,7 @@ impl Given {
                 return Err(Failure::Message(format!("--set {name} is given twice")));
             }
         }
-        if !dotyk_deck::is_deck(case) {
-            let case = AnyCase::read_with(case, &self.set)?;
-            return Ok(Input { case, deck: None });
-        }
-        if !self.set.is_empty() {
-            let message = "a deck has no parameters that --set could change: `dotyk import` makes a case of it";
-            return Err(Failure::of(case, message));
-        }
-        let name = case.file_name().unwrap_or_default().to_string_lossy();
-        let deck = dotyk_deck::read(case, &name).map_err(CaseError::from)?;
-        let case = deck.case()?;
-        Ok(Input {
-            case,
-            deck: Some(Box::new(deck)),
-        })
+        let (case, deck) = dotyk_deck::read_case(case, &self.set)?;
+        Ok(Input { case, deck })
     }
 }

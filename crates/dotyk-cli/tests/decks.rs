@@ -372,7 +372,7 @@ const MISTAKES: &[Mistake] = &[
     ("*Static\n", "*Static\nHigh, P2, 1.\n", "High, P2, 1.", "expected a number in field 1"),
     ("*Static\n", "", "*Step", "has no *STATIC"),
     ("*Static\n", "*Static, time reset\n", "*Static", "TIME RESET is not supported"),
-    ("nset=All\nU", "nset=Al\nU", "nset=Al", "there is no NSET `Al`"),
+    ("nset=All\nU", "nset=Oll\nU", "nset=Oll", "there is no NSET `Oll`"),
     ("*Node print, nset=All", "*Node print", "*Node print", "NSET=NAME is missing"),
     ("slave=Upper, master", "slave=Uper, master", "slave=Uper", "there is no surface `UPER`"),
     ("18, 0, 1, 2\n", "18, 0, 1, 2\n99999999999, 0, 0, 0\n", "99999999999", "at most ten digits"),

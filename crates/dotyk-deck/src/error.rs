@@ -14,7 +14,7 @@ pub(crate) struct Fault {
 /// Why a deck cannot be read.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum DeckError {
-    /// The file cannot be read.
+    /// The file cannot be read, or not so.
     #[error("{name}: {why}")]
     Unreadable {
         /// The file.
@@ -32,7 +32,7 @@ impl From<DeckError> for CaseError {
         match error {
             DeckError::At(error) => error,
             DeckError::Unreadable { name, why } => Self {
-                message: format!("cannot read the file: {why}"),
+                message: why,
                 label: "".into(),
                 help: None,
                 span: None,

@@ -67,6 +67,30 @@ pub fn is_deck(path: &Path) -> bool {
         .is_some_and(|extension| extension.eq_ignore_ascii_case("inp"))
 }
 
+/// The case of a case file with other values of its parameters, or of a deck, by the name of the file.
+///
+/// Errors: as [`AnyCase::read_with`], and as [`read`] and [`Deck::case`]; values for a deck, which has no parameters.
+pub fn read_case(
+    path: &Path,
+    set: &[(String, String)],
+) -> Result<(AnyCase, Option<Box<Deck>>), CaseError> {
+    if !is_deck(path) {
+        return Ok((AnyCase::read_with(path, set)?, None));
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let deck = read(path, &name)?;
+    if let Some((parameter, _)) = set.first() {
+        let why =
+            format!("a deck has no parameter `{parameter}`: `dotyk import` makes a case of it");
+        return Err(DeckError::Unreadable {
+            name: path.display().to_string(),
+            why,
+        }
+        .into());
+    }
+    Ok((deck.case()?, Some(Box::new(deck))))
+}
+
 /// Reads a deck; `file` is how the text of the case calls its mesh file.
 ///
 /// Errors: files that cannot be read; the first mistake, at its line.

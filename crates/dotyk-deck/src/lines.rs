@@ -150,7 +150,10 @@ pub(crate) fn cards(path: &Path) -> Result<(Sources, Vec<Card>), DeckError> {
     let mut reader = Reader::default();
     let name = path.display().to_string();
     let read = text_of(path);
-    let text = read.map_err(|why| DeckError::Unreadable { name, why })?;
+    let text = read.map_err(|why| DeckError::Unreadable {
+        name,
+        why: format!("cannot read the file: {why}"),
+    })?;
     let done = reader.file(path, text, &mut Vec::new());
     match done {
         Ok(()) => Ok((reader.sources, reader.cards)),
@@ -285,16 +288,17 @@ fn goes_on(text: &str, index: usize, keyword: &str) -> bool {
     !next.starts_with('*') && (next.contains('=') || known)
 }
 
-/// The text of a file; what is not UTF-8 is taken character by character, and a mark of byte order is passed over.
+/// The text of a file; what is not UTF-8 is taken byte by byte, and a mark of byte order is passed over.
 fn text_of(path: &Path) -> Result<String, String> {
-    let text = dotyk::host::read_text(path).or_else(|why| match std::fs::read(path) {
-        // comments of other languages, in a code of one byte
-        Ok(bytes) if why.contains("UTF-8") && !bytes.contains(&0) => {
-            Ok(bytes.into_iter().map(char::from).collect())
-        }
-        _ => Err(why),
-    })?;
-    Ok(text
-        .strip_prefix('\u{feff}')
-        .map_or(text.clone(), str::to_string))
+    let bytes = dotyk::host::read(path)?;
+    if bytes.contains(&0) {
+        return Err("this is not a text".to_string());
+    }
+    // comments of other languages may be in a code of one byte
+    let text = String::from_utf8(bytes);
+    let text = text.unwrap_or_else(|e| e.into_bytes().into_iter().map(char::from).collect());
+    Ok(match text.strip_prefix('\u{feff}') {
+        Some(rest) => rest.to_string(),
+        None => text,
+    })
 }

@@ -1171,9 +1171,10 @@ impl Reader<'_> {
             "CONTACT PRINT" => &["CDIS", "CDISP", "CSTR", "CSTRESS", "CF", "CFN", "CFS"],
             _ => &["CDIS", "CDISP", "CSTR", "CSTRESS"],
         };
+        // what only says that no error estimate is wanted
         let left = quantities
             .iter()
-            .filter(|word| !written.contains(&word.as_str()));
+            .filter(|word| !written.contains(&word.as_str()) && *word != "NOE");
         let left: Vec<&str> = left.map(String::as_str).collect();
         if !left.is_empty() {
             self.deck.note(

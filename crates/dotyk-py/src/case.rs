@@ -46,14 +46,16 @@ type Callable = (Py<PyAny>, String, String, Option<usize>);
 
 #[pymethods]
 impl Case {
-    /// Reads a case file.
+    /// Reads a case file, or a deck of Abaqus and CalculiX.
     #[staticmethod]
     fn of_file(py: Python<'_>, path: PathBuf, parameters: Vec<Parameter>) -> PyResult<Self> {
         let (caller, since) = (Arc::new(Caller::default()), Instant::now());
+        // the lines of a deck are not those of the case that it becomes
+        let lines = !dotyk_deck::is_deck(&path);
         let read = wait(py, &caller, None, move |_| {
-            AnyCase::read_with(&path, &parameters)
+            dotyk_deck::read_case(&path, &parameters).map(|(case, _)| case)
         })?;
-        Self::new(py, read, caller, (true, since))
+        Self::new(py, read, caller, (lines, since))
     }
 
     /// Reads a text with the meshes and functions that it names.

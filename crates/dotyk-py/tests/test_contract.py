@@ -43,6 +43,23 @@ def punch(cells=10, **contact):
     return m
 
 
+def test_a_deck_is_run_as_a_case_is(tmp_path):
+    deck = CASES.parent / "crates" / "dotyk-cli" / "tests" / "decks" / "press.inp"
+    s = dotyk.run(deck)
+    assert s.converged and list(s.contacts) == ["Upper-Lower"]
+    high = s.bodies["High"]
+    assert high.displacement[:, 2].min() == pytest.approx(-0.02, abs=1e-12)
+    assert list(dotyk.check(deck).bodies) == ["Low", "High"]
+    with pytest.raises(dotyk.InputError, match="a deck has no parameter `E`"):
+        dotyk.run(deck, parameters={"E": 3e9})
+    with pytest.raises(dotyk.InputError, match="dotyk import"):
+        dotyk.Model.from_case(deck)
+    wrong = tmp_path / "wrong.inp"
+    wrong.write_text("*NODE\n1, 0, 0\n*ELEMENT\n")
+    with pytest.raises(dotyk.InputError, match="wrong.inp, line 3, column 1: \\*ELEMENT: TYPE is missing"):
+        dotyk.run(wrong)
+
+
 def test_a_case_file_gives_what_the_command_gives(tmp_path):
     case = CASES / "floating-punch" / "floating-punch.toml"
     if not case.exists():

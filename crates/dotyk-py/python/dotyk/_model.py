@@ -329,6 +329,8 @@ class Model:
         """
         file = path_of(path, "path")
         _dotyk.Case.of_file(file, parameters_of(parameters))
+        if file.lower().endswith(".inp"):
+            raise InputError(f"{file}: a deck can be run, not changed: `dotyk import` makes a case file of it")
         with open(file, encoding="utf-8") as stream:
             table = json.loads(_dotyk.to_json(stream.read(), file))
         model = cls.__new__(cls)

@@ -15,14 +15,14 @@ const STREAMS: &str = "/dev";
 /// The bytes of a file of data, which must leave room for the data made of them.
 ///
 /// Errors: why it is not read, in words.
-pub(crate) fn read(path: &Path) -> Result<Vec<u8>, String> {
+pub fn read(path: &Path) -> Result<Vec<u8>, String> {
     bytes(path, free_memory().map_or(u64::MAX, |free| free / 2), false)
 }
 
 /// A text, which may come from a stream that the process was given.
 ///
 /// Errors: as [`read`]; a text that is not UTF-8.
-pub fn read_text(path: &Path) -> Result<String, String> {
+pub(crate) fn read_text(path: &Path) -> Result<String, String> {
     let most = free_memory().map_or(MOST_OF_TEXT, |free| MOST_OF_TEXT.min(free / 2));
     let bytes = bytes(path, most, path.starts_with(STREAMS))?;
     String::from_utf8(bytes).map_err(|e| {

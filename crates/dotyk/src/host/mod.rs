@@ -4,8 +4,8 @@ mod files;
 mod memory;
 mod threads;
 
-pub(crate) use files::read;
-pub use files::read_text;
+pub use files::read;
+pub(crate) use files::read_text;
 pub(crate) use memory::told;
 pub use memory::{free_memory, peak_memory_bytes};
 pub use threads::threads;
