@@ -5,7 +5,7 @@ use crate::error::Fault;
 use crate::lines::folded;
 use crate::names::{Names, clean};
 use dotyk::model::Analysis;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// A part of the elements that hang together by faces.
 #[derive(Debug)]
@@ -30,6 +30,8 @@ pub(crate) struct Bodies {
     pub of_node: Vec<Option<usize>>,
     pub of_element: Vec<usize>,
     pub section_of: Vec<usize>,
+    /// Nodes at whose place their body has another node: no point tells which of them is meant.
+    pub doubled: HashSet<Index>,
 }
 
 impl Bodies {
@@ -104,12 +106,24 @@ impl Bodies {
                 list[*body].nodes.push(node as Index);
             }
         }
+        let mut doubled = HashSet::new();
+        for body in &list {
+            let mut at: HashMap<[u64; 3], Index> = HashMap::new();
+            for &node in &body.nodes {
+                // zero has two signs
+                let place = deck.points[node as usize].map(|x| (x + 0.0).to_bits());
+                if let Some(other) = at.insert(place, node) {
+                    doubled.extend([other, node]);
+                }
+            }
+        }
         Ok(Self {
             list,
             analysis,
             of_node,
             of_element,
             section_of,
+            doubled,
         })
     }
 

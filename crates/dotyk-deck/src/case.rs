@@ -171,9 +171,28 @@ impl<'d> Writer<'d> {
     }
 
     /// The name of a group of nodes of a body.
-    fn point(&mut self, body: usize, nodes: &[Index], wanted: &str) -> String {
+    ///
+    /// Errors: a node at whose place the body has another one.
+    fn point(
+        &mut self,
+        body: usize,
+        nodes: &[Index],
+        wanted: &str,
+        (place, keyword): (Place, &str),
+    ) -> Result<String, Fault> {
+        if let Some(node) = nodes.iter().find(|node| self.bodies.doubled.contains(node)) {
+            let message = format!(
+                "node {} lies where its body has another node, and cannot be told from it: name whole faces",
+                self.deck.numbers[*node as usize]
+            );
+            return Err(Fault {
+                place,
+                keyword: keyword.to_string(),
+                message,
+            });
+        }
         if let Some(known) = self.points.get(&(body, nodes.to_vec())) {
-            return known.clone();
+            return Ok(known.clone());
         }
         let name = self.free(body, wanted);
         self.groups
@@ -182,7 +201,7 @@ impl<'d> Writer<'d> {
             .or_default()
             .extend(nodes);
         self.points.insert((body, nodes.to_vec()), name.clone());
-        name
+        Ok(name)
     }
 
     fn free(&mut self, body: usize, wanted: &str) -> String {
@@ -229,7 +248,13 @@ impl<'d> Writer<'d> {
     }
 
     /// The places of nodes in a case: `side = ".."` and `point = ".."`.
-    fn places(&mut self, body: usize, nodes: &[Index], wanted: &str) -> Vec<String> {
+    fn places(
+        &mut self,
+        body: usize,
+        nodes: &[Index],
+        wanted: &str,
+        at: (Place, &str),
+    ) -> Result<Vec<String>, Fault> {
         let (faces, rest) = self.cover(body, nodes);
         let mut places = Vec::new();
         if !faces.is_empty() {
@@ -241,9 +266,10 @@ impl<'d> Writer<'d> {
             } else {
                 format!("{wanted}-nodes")
             };
-            places.push(format!("point = \"{}\"", self.point(body, &rest, &wanted)));
+            let point = self.point(body, &rest, &wanted, at)?;
+            places.push(format!("point = \"{point}\""));
         }
-        places
+        Ok(places)
     }
 
     fn couples(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
@@ -383,7 +409,7 @@ impl<'d> Writer<'d> {
                 );
             }
             for (body, nodes) in by_body {
-                let places = self.places(body, &nodes, &of);
+                let places = self.places(body, &nodes, &of, (place, "BOUNDARY"))?;
                 for at in places {
                     for (keys, during) in self.merged(&values, &steps) {
                         entries[body]
@@ -544,7 +570,7 @@ impl<'d> Writer<'d> {
             };
             let force: Vec<String> = (1..=axes as u8).map(component).collect();
             for (body, nodes) in self.bodies.split(&nodes).0 {
-                let point = self.point(body, &nodes, &of);
+                let point = self.point(body, &nodes, &of, (place, "CLOAD"))?;
                 entries[body].load.push((
                     place,
                     format!("{{ point = \"{point}\", force = [{}] }}", force.join(", ")),
@@ -1048,7 +1074,8 @@ impl<'d> Writer<'d> {
                         });
                     }
                     self.deck.note(tie.place, "TIE", &message);
-                    let point = self.point(*body, &far, &format!("{}-free", tie.name));
+                    let wanted = format!("{}-free", tie.name);
+                    let point = self.point(*body, &far, &wanted, (tie.place, "TIE"))?;
                     keys.push(format!("exclude = [\"{point}\"]"));
                 }
                 self.between(
