@@ -47,7 +47,7 @@ fn log_spaced((a, b): (f64, f64)) -> Vec<f64> {
 
 /// Compares, writes, prints.
 pub fn compare(arguments: &Arguments) -> Result<Outcome, Failure> {
-    let case = arguments.given.read(&arguments.case)?.case;
+    let case = arguments.given.read_case(&arguments.case)?;
     let compared = of_any!(&case, |case| {
         let writes = arguments.rho.is_some() || arguments.out.is_some();
         let folder = writes.then(|| output_folder(arguments.out.as_deref(), &case.stem));

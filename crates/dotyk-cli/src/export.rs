@@ -37,7 +37,7 @@ fn finite(text: &str) -> Result<f64, String> {
 
 /// Condenses, solves for comparison, writes, prints.
 pub fn export(arguments: &Arguments) -> Result<Outcome, Failure> {
-    of_any!(arguments.given.read(&arguments.case)?.case, |case| {
+    of_any!(arguments.given.read_case(&arguments.case)?, |case| {
         let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
         warn(&case.warnings);
         let time = arguments.time.unwrap_or(case.model.last_time());

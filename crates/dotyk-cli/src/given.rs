@@ -48,7 +48,17 @@ impl Given {
         self.set.iter().any(|(known, _)| known == name)
     }
 
-    /// The case with these values; a deck has no parameters.
+    /// The case with these values; no deck, whose case is a file only when it is imported.
+    pub fn read_case(&self, case: &Path) -> Result<AnyCase, Failure> {
+        if dotyk_deck::is_deck(case) {
+            let message =
+                "a deck is run and checked; for this make a case of it with `dotyk import`";
+            return Err(Failure::of(case, message));
+        }
+        Ok(self.read(case)?.case)
+    }
+
+    /// The case with these values, or that of a deck, which has no parameters.
     pub fn read(&self, case: &Path) -> Result<Input, Failure> {
         for (k, (name, _)) in self.set.iter().enumerate() {
             if self.set[..k].iter().any(|(before, _)| before == name) {

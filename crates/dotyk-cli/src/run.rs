@@ -181,10 +181,9 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
                 carried: failure.carried,
             }),
             since: start,
-            beside: if arguments.apart.is_none() {
-                &beside
-            } else {
-                &[]
+            beside: match arguments.apart {
+                None => &beside,
+                Some(_) => &[],
             },
         };
         if steps.last().is_some_and(|last| last.converged) {

@@ -142,7 +142,7 @@ fn all_varied(arguments: &Arguments) -> Result<Vec<Varied>, String> {
 pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
     let start = Instant::now();
     let varied = all_varied(arguments).map_err(Failure::Message)?;
-    let case = arguments.given.read(&arguments.case)?.case;
+    let case = arguments.given.read_case(&arguments.case)?;
     let (study, pairs, stem, folder) = of_any!(case, |case| {
         let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
         warn(&case.warnings);

@@ -232,12 +232,13 @@ const CUBE: &str = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0,
     *SURFACE, NAME=Roof\nAll, S2\n*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n*DENSITY\n2.\n*SOLID SECTION, ELSET=All, MATERIAL=M\n\
     *AMPLITUDE, NAME=Ramp\n0., 0., 4., 1.\n*AMPLITUDE, NAME=Total, TIME=TOTAL TIME\n0., 0., 4., 1.\n*BOUNDARY\nFloor, 1, 3\n";
 
-/// 1000 times the displacement of the top at the end of each step.
+/// 1000 times the displacement of the top at the end of each step; what stands before a `|` is the time of a step.
 fn lifted(name: &str, steps: &[&str]) -> Vec<f64> {
     let folder = folder(name, &[]);
-    let steps = steps
-        .iter()
-        .map(|step| format!("*STEP\n*STATIC\n1., 1.\n{step}*NODE PRINT, NSET=Top\nU\n*END STEP\n"));
+    let steps = steps.iter().map(|step| {
+        let (period, step) = step.split_once('|').unwrap_or(("1.", step));
+        format!("*STEP\n*STATIC\n1., {period}\n{step}*NODE PRINT, NSET=Top\nU\n*END STEP\n")
+    });
     let text = CUBE.to_string() + &steps.collect::<String>();
     std::fs::write(folder.join("cube.inp"), text).unwrap();
     let run = dotyk(&folder, &["run", "cube.inp", "--out", "out", "--quiet"]);
@@ -307,6 +308,25 @@ fn loads_and_supports_go_on_from_step_to_step_as_in_calculix() {
             ],
             &[4.0, 4.0, 12.0],
         ),
+        // an amplitude of a step ends with it, one of total time goes on
+        (
+            "amplitude-ends",
+            &[
+                "2.|*CLOAD, AMPLITUDE=Ramp\nTop, 3, 4.\n",
+                "4.|",
+                "0.5|*CLOAD, OP=NEW, AMPLITUDE=Total\nTop, 3, 4.\n",
+            ],
+            &[8.0, 8.0, 16.0],
+        ),
+        (
+            "amplitude-goes-on",
+            &[
+                "*CLOAD, AMPLITUDE=Total\nTop, 3, 4.\n",
+                "",
+                "*DLOAD\nAll, P2, -1.\n",
+            ],
+            &[4.0, 8.0, 13.0],
+        ),
         // what is held stays where it is
         (
             "fixed",
@@ -337,6 +357,84 @@ fn loads_and_supports_go_on_from_step_to_step_as_in_calculix() {
             );
         }
     }
+}
+
+#[test]
+fn commands_that_need_a_case_say_how_to_get_one() {
+    let folder = folder("no-case", &["press.inp"]);
+    for command in ["study", "compare", "export"] {
+        let output = dotyk(&folder, &[command, "press.inp"]);
+        assert_eq!(output.status.code(), Some(2), "{command}");
+        assert!(
+            told(&output).contains("dotyk import"),
+            "{command}: {}",
+            told(&output)
+        );
+    }
+    let output = dotyk(&folder, &["run", "press.inp", "--set", "E=1"]);
+    assert!(
+        told(&output).contains("a deck has no parameter `E`"),
+        "{}",
+        told(&output)
+    );
+    let output = dotyk(&folder, &["import", "press.toml"]);
+    assert!(
+        told(&output).contains("whose name ends with .inp"),
+        "{}",
+        told(&output)
+    );
+}
+
+#[test]
+fn spoilt_decks_are_refused_at_a_line_or_solved() {
+    let folder = folder("spoilt", &[]);
+    let decks = ["press.inp", "beam8.inp", "plate8.inp"]
+        .map(|deck| std::fs::read_to_string(own(deck)).unwrap());
+    // a generator by itself, so that each run has the same decks
+    let mut state = 20_261_128_u64;
+    let mut below = |n: usize| {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % n
+    };
+    let (mut refused, mut solved) = (0, 0);
+    for number in 0..300 {
+        let mut lines: Vec<String> = decks[number % 3].lines().map(str::to_string).collect();
+        for _ in 0..=below(3) {
+            let (at, other) = (below(lines.len()), below(lines.len()));
+            match below(6) {
+                0 => drop(lines.remove(at)),
+                1 => lines.insert(at, lines[other].clone()),
+                2 => lines.swap(at, other),
+                3 => lines[at].push_str(", 7"),
+                4 => lines[at] = lines[at].replacen([',', '1', '='], "-", 1),
+                _ => {
+                    let half = lines[at]
+                        .chars()
+                        .take(lines[at].chars().count() / 2)
+                        .collect();
+                    lines[at] = half;
+                }
+            }
+        }
+        std::fs::write(folder.join("spoilt.inp"), lines.join("\n")).unwrap();
+        let output = dotyk(&folder, &["check", "spoilt.inp"]);
+        let message = told(&output);
+        match output.status.code() {
+            Some(0) => solved += 1,
+            Some(2) => {
+                refused += 1;
+                assert!(message.contains("spoilt.inp"), "{number}: {message}");
+            }
+            code => panic!("{number}: {code:?}: {message}"),
+        }
+        assert!(!message.contains("panicked"), "{number}: {message}");
+    }
+    assert!(
+        refused > 50 && solved > 50,
+        "{refused} refused, {solved} solved"
+    );
 }
 
 /// What is replaced in `press.inp`, by what, text on the line that is told, words of the message.
@@ -377,6 +475,11 @@ const MISTAKES: &[Mistake] = &[
     ("slave=Upper, master", "slave=Uper, master", "slave=Uper", "there is no surface `UPER`"),
     ("18, 0, 1, 2\n", "18, 0, 1, 2\n99999999999, 0, 0, 0\n", "99999999999", "at most ten digits"),
     ("*Boundary\n", "*Boundary, fixed, fixed\n", "*Boundary", "FIXED is given twice"),
+    ("*Step\n", "*Equation\n2\n11, 1, 1., 12, 1\n*Step\n", "11, 1, 1., 12", "terms are a node"),
+    ("*Step\n", "*Equation\n1\n11, 257, 1.\n*Step\n", "11, 257", "a degree of freedom from 1 to 6"),
+    ("*Step\n", "*Initial conditions, type=temperature, user\n*Step\n", "*Initial", "USER"),
+    ("Floor, 1, 3\n", "Floor, 1, 4, 0.1\n", "Floor, 1, 4", "no degree of freedom 4"),
+    ("*Solid section, elset=High, material=Soft\n", "*Solid section, elset=High, material=Soft\n*Solid Section, elset=High, material=Soft\n2.\n", "*Solid Section", "element 2 has a section already"),
     // what only the case shows
     ("Floor, 1, 3\n", "Floor, 1, 2\n", "*Solid section, elset=Low", "body \"Low\" is not held"),
 ];

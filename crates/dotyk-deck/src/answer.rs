@@ -15,9 +15,8 @@ use crate::results::{
 use crate::{dat, steps};
 use dotyk::fem::{CellPoints, FemError, cell_points, nodal_forces, recover_spin};
 use dotyk::geometry::Point;
-use dotyk::model::{Analysis, ContactSolution, Model, Solution};
+use dotyk::model::{ContactSolution, Model, Solution};
 use std::collections::{BTreeMap, HashMap};
-use std::ops::Range;
 
 /// Strains and rotations up to these are small: lengths are wrong by less than a two-hundredth of the rest.
 const SMALL: (f64, f64) = (0.02, 0.1);
@@ -32,16 +31,19 @@ impl Deck {
         solutions: &[Solution<D>],
     ) -> Result<Vec<(String, Vec<u8>)>, FemError> {
         let mesh = self.result_mesh();
-        let (mut to_frd, mut to_dat) = (Vec::new(), Vec::new());
-        for (number, solution) in (1..).zip(solutions) {
-            let asked = &self.deck.steps[(number - 1).min(self.deck.steps.len() - 1)].requests;
-            let forces = asked
-                .iter()
-                .any(|request| request.quantities.iter().any(|word| word == "RF"));
-            let (step, ranges) = self.step((model, solution), number, forces)?;
-            to_dat.push((step.clone(), self.prints(model, solution, asked, &ranges)?));
-            to_frd.push((step, frd_quantities(asked)));
+        let mut steps = Vec::with_capacity(solutions.len());
+        let (mut quantities, mut prints) = (Vec::new(), Vec::new());
+        for ((number, solution), own) in (1..).zip(solutions).zip(&self.deck.steps) {
+            let asked = &own.requests;
+            let words = asked.iter().flat_map(|request| &request.quantities);
+            let forces = words.clone().any(|word| word == "RF");
+            let (step, rows) = self.step((model, solution), number, forces)?;
+            steps.push(step);
+            quantities.push(frd_quantities(asked));
+            prints.push(self.prints(model, solution, asked, rows)?);
         }
+        let to_frd: Vec<_> = steps.iter().zip(quantities).collect();
+        let to_dat: Vec<_> = steps.iter().zip(prints).collect();
         // writing into memory does not fail
         let (mut frd, mut dat) = (Vec::new(), Vec::new());
         let _ = frd::write(&mut frd, &self.stem, &mesh, &to_frd);
@@ -117,7 +119,7 @@ impl Deck {
         }
         let element = |(index, own): (usize, &crate::deck::Element)| Element {
             number: own.number,
-            kind: kind(deck.shape(index as Index).cell),
+            kind: deck.shape(index as Index).form,
             nodes: own
                 .nodes
                 .iter()
@@ -138,13 +140,13 @@ impl Deck {
         }
     }
 
-    /// A solution on the nodes of the deck, and the rows of each contact.
+    /// A solution on the nodes of the deck, and the number of its rows of contacts.
     fn step<const D: usize>(
         &self,
         (model, solution): (&Model<D>, &Solution<D>),
         number: usize,
         with_forces: bool,
-    ) -> Result<(Step, Vec<Range<usize>>), FemError> {
+    ) -> Result<(Step, usize), FemError> {
         let count = self.deck.points.len();
         let mut step = Step {
             number,
@@ -168,7 +170,6 @@ impl Deck {
                 step.reaction[node] = std::array::from_fn(|d| total[d] - contact[d]);
                 step.stress[node] = tensor(own.stress[local]);
                 step.strain[node] = tensor(own.strain[local]);
-                step.strain[node][2] += self.free_strain(model, node, index, number);
             }
         }
         for [kept, gone] in self
@@ -183,37 +184,12 @@ impl Deck {
             step.strain[gone] = step.strain[kept];
         }
         self.references(solution, &mut step);
-        let mut ranges = Vec::new();
-        for contact in &solution.contacts {
-            let start = step.contact.len();
-            step.contact.extend(self.contact_nodes(contact));
-            ranges.push(start..step.contact.len());
-        }
-        Ok((step, ranges))
-    }
-
-    /// What expansion adds to the strain across a plane of free stress: αT (1 + ν)/(1 − ν), as the recovered strain is that of an
-    /// elastic law without it.
-    fn free_strain<const D: usize>(
-        &self,
-        model: &Model<D>,
-        node: usize,
-        body: usize,
-        number: usize,
-    ) -> f64 {
-        if model.analysis != Analysis::PlaneStress {
-            return 0.0;
-        }
-        let node = node as Index;
-        let course = self.deck.acting.temperatures.all.get(&node);
-        let now = course.and_then(|course| course.values.get(number - 1).copied().flatten());
-        let (Some(now), Some(before)) = (now, self.deck.initial.get(&node)) else {
-            return 0.0;
-        };
-        let section = &self.deck.sections[self.bodies.list[body].sections[0].0];
-        let material = &self.deck.materials[&folded(&section.material)];
-        let poisson = material.elastic.map_or(0.0, |[_, poisson]| poisson);
-        material.expansion.unwrap_or(0.0) * (now - before) * (1.0 + poisson) / (1.0 - poisson)
+        let rows = solution.contacts.iter();
+        step.contact = rows
+            .flat_map(|contact| self.contact_nodes(contact))
+            .collect();
+        let rows = step.contact.len();
+        Ok((step, rows))
     }
 
     /// Motion of, and forces at, reference and rotation nodes.
@@ -272,7 +248,7 @@ impl Deck {
         model: &Model<D>,
         solution: &Solution<D>,
         asked: &[steps::Request],
-        ranges: &[Range<usize>],
+        rows: usize,
     ) -> Result<Vec<Print>, FemError> {
         let mut prints = Vec::new();
         let mut points: Option<HashMap<Index, CellPoints>> = None;
@@ -326,10 +302,9 @@ impl Deck {
                         } else {
                             ContactQuantity::Stress
                         };
-                        let all = 0..ranges.last().map_or(0, |range| range.end);
                         prints.push(Print::Contact(ContactPrint {
                             quantity,
-                            nodes: all,
+                            nodes: 0..rows,
                         }));
                     }
                     ("CONTACT PRINT", "CF" | "CFN" | "CFS") => {
@@ -376,7 +351,7 @@ impl Deck {
     /// The element of each cell of a body: blocks by kind and section, in the order of the mesh file.
     fn cell_order(&self, body: usize) -> BTreeMap<(usize, usize), Index> {
         let body = &self.bodies.list[body];
-        let mut blocks: Vec<(&str, usize, usize)> = Vec::new();
+        let mut blocks: Vec<(Kind, usize, usize)> = Vec::new();
         let mut order = BTreeMap::new();
         for (section, _) in &body.sections {
             for &element in body
@@ -384,12 +359,12 @@ impl Deck {
                 .iter()
                 .filter(|e| self.bodies.section_of[**e as usize] == *section)
             {
-                let cell = self.deck.shape(element).cell;
+                let form = self.deck.shape(element).form;
                 let known = blocks
                     .iter()
-                    .position(|(kind, of, _)| *kind == cell && of == section);
+                    .position(|(known, of, _)| *known == form && of == section);
                 let block = known.unwrap_or_else(|| {
-                    blocks.push((cell, *section, 0));
+                    blocks.push((form, *section, 0));
                     blocks.len() - 1
                 });
                 order.insert((block, blocks[block].2), element);
@@ -449,21 +424,6 @@ fn frd_quantities(asked: &[steps::Request]) -> Vec<FrdQuantity> {
         .filter(|(_, wanted)| *wanted)
         .map(|(quantity, _)| quantity)
         .collect()
-}
-
-fn kind(cell: &str) -> Kind {
-    match cell {
-        "prism6" => Kind::Prism6,
-        "tet4" => Kind::Tet4,
-        "hex20" => Kind::Hex20,
-        "prism15" => Kind::Prism15,
-        "tet10" => Kind::Tet10,
-        "tri3" => Kind::Tri3,
-        "tri6" => Kind::Tri6,
-        "quad4" => Kind::Quad4,
-        "quad8" => Kind::Quad8,
-        _ => Kind::Hex8,
-    }
 }
 
 /// A vector with z = 0 in the plane.

@@ -157,11 +157,7 @@ fn analysis(deck: &Deck) -> Result<Analysis, Fault> {
     let Some(first) = deck.elements.first() else {
         let place = deck.steps[0].place;
         let message = "the deck has no elements".to_string();
-        return Err(Fault {
-            place,
-            keyword: "ELEMENT".to_string(),
-            message,
-        });
+        return Err(Fault::new(place, "ELEMENT", message));
     };
     let (first_name, first_kind) = of(first);
     let analysis = first_kind.analysis;
@@ -171,10 +167,10 @@ fn analysis(deck: &Deck) -> Result<Analysis, Fault> {
         .find(|element| of(element).1.analysis != analysis)
     {
         None => Ok(analysis),
-        Some(other) => Err(Fault {
-            place: other.place,
-            keyword: "ELEMENT".to_string(),
-            message: format!(
+        Some(other) => Err(Fault::new(
+            other.place,
+            "ELEMENT",
+            format!(
                 "element {} of type {} is {}, and element {} of type {first_name} is {}: a deck has one kind of analysis",
                 other.number,
                 of(other).0,
@@ -182,7 +178,7 @@ fn analysis(deck: &Deck) -> Result<Analysis, Fault> {
                 first.number,
                 analysis.name()
             ),
-        }),
+        )),
     }
 }
 
@@ -190,25 +186,24 @@ fn analysis(deck: &Deck) -> Result<Analysis, Fault> {
 fn sections(deck: &Deck) -> Result<Vec<usize>, Fault> {
     let mut of = vec![usize::MAX; deck.elements.len()];
     for (index, section) in deck.sections.iter().enumerate() {
-        let fault = |message: String| Fault {
-            place: section.place,
-            keyword: "SOLID SECTION".to_string(),
-            message,
-        };
+        let fault = |message: String| Fault::new(section.place, "SOLID SECTION", message);
         match deck.materials.get(&folded(&section.material)) {
             None => return Err(fault(format!("there is no material {}", section.material))),
             Some(material) if material.elastic.is_none() => {
-                return Err(Fault {
-                    place: material.place,
-                    keyword: "MATERIAL".to_string(),
-                    message: format!("material {} has no *ELASTIC", material.name),
-                });
+                return Err(Fault::new(
+                    material.place,
+                    "MATERIAL",
+                    format!("material {} has no *ELASTIC", material.name),
+                ));
             }
             Some(_) => {}
         }
         for &element in &deck.element_sets[&folded(&section.set)].members {
             let before = std::mem::replace(&mut of[element as usize], index);
-            if before != usize::MAX && deck.sections[before].material != section.material {
+            let other = deck.sections.get(before);
+            if other.is_some_and(|other| {
+                other.material != section.material || other.thickness != section.thickness
+            }) {
                 let number = deck.elements[element as usize].number;
                 let first = deck.sections[before].place.line;
                 return Err(fault(format!(
@@ -219,14 +214,14 @@ fn sections(deck: &Deck) -> Result<Vec<usize>, Fault> {
     }
     match of.iter().position(|section| *section == usize::MAX) {
         None => Ok(of),
-        Some(element) => Err(Fault {
-            place: deck.elements[element].place,
-            keyword: "ELEMENT".to_string(),
-            message: format!(
+        Some(element) => Err(Fault::new(
+            deck.elements[element].place,
+            "ELEMENT",
+            format!(
                 "element {} has no *SOLID SECTION",
                 deck.elements[element].number
             ),
-        }),
+        )),
     }
 }
 
@@ -267,14 +262,14 @@ fn parts(deck: &Deck) -> (Vec<usize>, Vec<Vec<Index>>) {
 
 fn hinge(deck: &Deck, element: Index, node: Index) -> Fault {
     let element = &deck.elements[element as usize];
-    Fault {
-        place: element.place,
-        keyword: "ELEMENT".to_string(),
-        message: format!(
+    Fault::new(
+        element.place,
+        "ELEMENT",
+        format!(
             "element {} shares node {} with elements that it has no face in common with: bodies that hang together by a point or an edge are not supported",
             element.number, deck.numbers[node as usize]
         ),
-    }
+    )
 }
 
 /// Faces that one element alone has.

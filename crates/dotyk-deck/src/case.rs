@@ -15,6 +15,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Part of the largest size below which numbers count as the same.
 const SAME: f64 = 1e-9;
 
+/// Part of a sum of squares that is rounding of sums of a million.
+const FLAT: f64 = 1e-10;
+
 /// A part of the typical edge within which CalculiX ties by default.
 const TIED: f64 = 0.025;
 
@@ -69,7 +72,8 @@ pub(crate) struct Writer<'d> {
     /// Names of sides and points by body and content.
     sides: BTreeMap<(usize, Vec<Face>), String>,
     points: BTreeMap<(usize, Vec<Index>), String>,
-    used: BTreeSet<(usize, String)>,
+    /// Names of sides and points that each body has.
+    used: Vec<Names>,
     /// Reference points: body and name of the point.
     pub references: BTreeMap<Index, (usize, String)>,
 }
@@ -103,7 +107,7 @@ impl<'d> Writer<'d> {
             contacts: Vec::new(),
             sides: BTreeMap::new(),
             points: BTreeMap::new(),
-            used: BTreeSet::new(),
+            used: bodies.list.iter().map(|_| Names::default()).collect(),
             references: BTreeMap::new(),
         };
         writer.head(title);
@@ -185,11 +189,7 @@ impl<'d> Writer<'d> {
                 "node {} lies where its body has another node, and cannot be told from it: name whole faces",
                 self.deck.numbers[*node as usize]
             );
-            return Err(Fault {
-                place,
-                keyword: keyword.to_string(),
-                message,
-            });
+            return Err(Fault::new(place, keyword, message));
         }
         if let Some(known) = self.points.get(&(body, nodes.to_vec())) {
             return Ok(known.clone());
@@ -211,18 +211,7 @@ impl<'d> Writer<'d> {
             name if name == "boundary" => "boundary-1".to_string(),
             name => name,
         };
-        let numbered = |k: usize| {
-            if k == 1 {
-                wanted.clone()
-            } else {
-                format!("{wanted}-{k}")
-            }
-        };
-        let mut k = 1;
-        while !self.used.insert((body, numbered(k))) {
-            k += 1;
-        }
-        numbered(k)
+        self.used[body].fresh(&wanted)
     }
 
     /// Boundary faces of a body with all of their nodes among these, and the nodes that are on none of them.
@@ -275,11 +264,7 @@ impl<'d> Writer<'d> {
     fn couples(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
         let couplings = std::mem::take(&mut self.deck.couplings);
         for coupling in &couplings {
-            let fault = |message: String| Fault {
-                place: coupling.place,
-                keyword: coupling.keyword.clone(),
-                message,
-            };
+            let fault = |message: String| Fault::new(coupling.place, &coupling.keyword, message);
             let (by_body, loose) = self.bodies.split(&coupling.nodes);
             let mut by_body = by_body.into_iter();
             let (Some((body, nodes)), None) = (by_body.next(), by_body.next()) else {
@@ -375,7 +360,13 @@ impl<'d> Writer<'d> {
             late(course, *freedom)?;
             match self.coupling(*node) {
                 Some(_) => self.hold_point(*node, *freedom, course, &steps, entries)?,
-                None if usize::from(*freedom) > self.axes() => {}
+                // a solid has no such motion: only that it is none can be said of it
+                None if usize::from(*freedom) > self.axes() => {
+                    if course.values.iter().flatten().any(|value| *value != 0.0) {
+                        let message = format!("solid elements have no degree of freedom {freedom}");
+                        return Err(Fault::new(course.place, "BOUNDARY", message));
+                    }
+                }
                 None => by_node
                     .entry((*node, course.place))
                     .or_default()
@@ -490,11 +481,7 @@ impl<'d> Writer<'d> {
         let mut by_node: BTreeMap<(Index, String), Vec<(u8, &Course)>> = BTreeMap::new();
         let axes = self.axes();
         for ((node, freedom), course) in &forces {
-            let fault = |message: String| Fault {
-                place: course.place,
-                keyword: "CLOAD".to_string(),
-                message,
-            };
+            let fault = |message: String| Fault::new(course.place, "CLOAD", message);
             let number = self.deck.numbers[*node as usize];
             if let Some((coupling, turns)) = self.coupling(*node) {
                 let Some((body, point)) = self.references.get(&coupling.reference).cloned() else {
@@ -717,21 +704,17 @@ impl<'d> Writer<'d> {
         if let Some(other) = other {
             let course = of(first).chain(of(other)).next();
             let place = course.map_or(Place::default(), |(_, course)| course.place);
-            return Err(Fault {
+            return Err(Fault::new(
                 place,
-                keyword: "DLOAD".to_string(),
-                message: format!(
+                "DLOAD",
+                format!(
                     "GRAV acts on a part of body {}: the whole body is supported",
                     body.name
                 ),
-            });
+            ));
         }
         for ((_, way), course) in of(first) {
-            let fault = |message: String| Fault {
-                place: course.place,
-                keyword: "DLOAD".to_string(),
-                message,
-            };
+            let fault = |message: String| Fault::new(course.place, "DLOAD", message);
             let densities = body.sections.iter().map(|(section, _)| {
                 let material =
                     &self.deck.materials[&folded(&self.deck.sections[*section].material)];
@@ -771,11 +754,7 @@ impl<'d> Writer<'d> {
         let Some(heated) = heated else {
             return Ok(None);
         };
-        let fault = |message: String| Fault {
-            place: heated.place,
-            keyword: "TEMPERATURE".to_string(),
-            message,
-        };
+        let fault = |message: String| Fault::new(heated.place, "TEMPERATURE", message);
         let materials = body.sections.iter().map(|(section, _)| {
             &self.deck.materials[&folded(&self.deck.sections[*section].material)]
         });
@@ -805,6 +784,10 @@ impl<'d> Writer<'d> {
             )));
         }
         let count = self.deck.steps.len();
+        let points = body.nodes.iter();
+        let points: Vec<[f64; 3]> = points
+            .map(|node| self.deck.points[*node as usize])
+            .collect();
         let mut fitted = Vec::with_capacity(count);
         for step in 0..count {
             let change = body.nodes.iter().map(|node| {
@@ -815,11 +798,6 @@ impl<'d> Writer<'d> {
                 now.map_or(0.0, |now| now - before)
             });
             let change: Vec<f64> = change.collect();
-            let points: Vec<[f64; 3]> = body
-                .nodes
-                .iter()
-                .map(|node| self.deck.points[*node as usize])
-                .collect();
             let fit = linear(&points, &change).ok_or_else(|| {
                 fault(format!("the temperature of body {} is neither constant nor linear in space: other fields are not supported in a deck", body.name))
             })?;
@@ -856,15 +834,15 @@ impl<'d> Writer<'d> {
         });
         match within {
             None => Ok(()),
-            Some((element, face)) => Err(Fault {
+            Some((element, face)) => Err(Fault::new(
                 place,
-                keyword: keyword.to_string(),
-                message: format!(
+                keyword,
+                format!(
                     "face {} of element {} lies inside a body: faces on its boundary are supported",
                     face + 1,
                     self.deck.elements[*element as usize].number
                 ),
-            }),
+            )),
         }
     }
 
@@ -892,11 +870,7 @@ impl<'d> Writer<'d> {
                 let message = format!(
                     "node {number} of surface {title} is on no face with all its nodes there: use a surface of element faces"
                 );
-                return Err(Fault {
-                    place,
-                    keyword: keyword.to_string(),
-                    message,
-                });
+                return Err(Fault::new(place, keyword, message));
             }
             by_body.insert(body, faces);
         }
@@ -943,11 +917,7 @@ impl<'d> Writer<'d> {
                     "ADJUST names some nodes of surface {} only, node {number} is not among them: name all, or give a length",
                     surface.name
                 );
-                Err(Fault {
-                    place: pair.place,
-                    keyword: "CONTACT PAIR".to_string(),
-                    message,
-                })
+                Err(Fault::new(pair.place, "CONTACT PAIR", message))
             }
         }
     }
@@ -971,11 +941,7 @@ impl<'d> Writer<'d> {
     }
 
     fn pair(&mut self, pair: &Pair) -> Result<(), Fault> {
-        let fault = |message: String| Fault {
-            place: pair.place,
-            keyword: "CONTACT PAIR".to_string(),
-            message,
-        };
+        let fault = |message: String| Fault::new(pair.place, "CONTACT PAIR", message);
         let Some(interaction) = self.deck.interactions.get(&pair.interaction).cloned() else {
             return Err(fault(format!(
                 "there is no *SURFACE INTERACTION {}",
@@ -1066,12 +1032,7 @@ impl<'d> Writer<'d> {
                         self.deck.numbers[*first as usize]
                     );
                     if far.len() == nodes.len() {
-                        let keyword = "TIE".to_string();
-                        return Err(Fault {
-                            place: tie.place,
-                            keyword,
-                            message,
-                        });
+                        return Err(Fault::new(tie.place, "TIE", message));
                     }
                     self.deck.note(tie.place, "TIE", &message);
                     let wanted = format!("{}-free", tie.name);
@@ -1133,11 +1094,7 @@ fn late(course: &Course, freedom: u8) -> Result<(), Fault> {
         course.of,
         begins + 1
     );
-    Err(Fault {
-        place: course.place,
-        keyword: "BOUNDARY".to_string(),
-        message,
-    })
+    Err(Fault::new(course.place, "BOUNDARY", message))
 }
 
 fn axis(freedom: u8) -> &'static str {
@@ -1149,7 +1106,7 @@ fn list(values: &[f64]) -> String {
     format!("[{}]", values.join(", "))
 }
 
-/// a + b x + c y + d z through all values, or `None`.
+/// a + b x + c y + d z through all values, or `None`: normal equations about the first point, and a check of every value.
 fn linear(points: &[[f64; 3]], values: &[f64]) -> Option<[f64; 4]> {
     let largest = values.iter().fold(0.0f64, |s, v| s.max(v.abs()));
     let close = |fit: &[f64; 4]| {
@@ -1163,7 +1120,6 @@ fn linear(points: &[[f64; 3]], values: &[f64]) -> Option<[f64; 4]> {
     if close(&constant) {
         return Some(constant);
     }
-    // normal equations about the first point, with a little of the identity for axes without extent
     let origin = points[0];
     let row = |p: &[f64; 3]| [1.0, p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
     let mut matrix = [[0.0; 5]; 4];
@@ -1174,15 +1130,10 @@ fn linear(points: &[[f64; 3]], values: &[f64]) -> Option<[f64; 4]> {
             matrix[i][4] += row[i] * v;
         }
     }
+    let sizes: [f64; 4] = std::array::from_fn(|i| matrix[i][i]);
     for i in 0..4 {
-        let pivot = matrix[i][i];
-        if pivot
-            <= 1e-12
-                * points.len() as f64
-                * matrix[i][..4].iter().fold(0.0f64, |s, x| s.max(x.abs()))
-            || pivot == 0.0
-        {
-            // no extent along this axis
+        if matrix[i][i] <= FLAT * sizes[i] {
+            // the points have no extent along this axis, or none of its own: no slope
             matrix[i] = [0.0; 5];
             matrix[i][i] = 1.0;
         }

@@ -449,18 +449,7 @@ impl Deck {
                             card.fault_at(row.place, format!("there is no {what} {number}"))
                         })?);
                     }
-                    Err(_) => match sets.get(&folded(field)) {
-                        Some(set) => members.extend(&set.members),
-                        None => {
-                            return Err(unknown(
-                                card,
-                                row.place,
-                                &format!("{of} `{field}`"),
-                                field,
-                                sets,
-                            ));
-                        }
-                    },
+                    Err(_) => members.extend(&find(card, row.place, of, field, sets)?.members),
                 }
             }
         }
@@ -599,18 +588,10 @@ impl Deck {
             let missing = || card.fault_at(row.place, format!("there is no element {number}"));
             return Ok(vec![known.ok_or_else(missing)?]);
         }
-        match self.element_sets.get(&folded(field)) {
-            Some(set) if set.members.is_empty() => {
-                Err(card.fault_at(row.place, format!("ELSET `{field}` is empty")))
-            }
-            Some(set) => Ok(set.members.clone()),
-            None => Err(unknown(
-                card,
-                row.place,
-                &format!("ELSET `{field}`"),
-                field,
-                &self.element_sets,
-            )),
+        let set = find(card, row.place, "ELSET", field, &self.element_sets)?;
+        match set.members.is_empty() {
+            true => Err(card.fault_at(row.place, format!("ELSET `{field}` is empty"))),
+            false => Ok(set.members.clone()),
         }
     }
 
@@ -631,19 +612,11 @@ impl Deck {
 
     /// A set of nodes.
     pub fn node_set(&self, card: &Card, place: Place, name: &str) -> Result<&Set, Fault> {
-        let known = self.node_sets.get(&folded(name));
-        if known.is_some_and(|set| set.members.is_empty()) {
-            return Err(card.fault_at(place, format!("NSET `{name}` is empty")));
+        let set = find(card, place, "NSET", name, &self.node_sets)?;
+        match set.members.is_empty() {
+            true => Err(card.fault_at(place, format!("NSET `{name}` is empty"))),
+            false => Ok(set),
         }
-        known.ok_or_else(|| {
-            unknown(
-                card,
-                place,
-                &format!("NSET `{name}`"),
-                name,
-                &self.node_sets,
-            )
-        })
     }
 }
 
@@ -653,17 +626,21 @@ fn add(sets: &mut BTreeMap<String, Set>, name: &str, members: Vec<Index>) {
     set.members.extend(members);
 }
 
-/// The error for a name that is not among the known ones.
-pub(crate) fn unknown<T>(
+/// What a name stands for; `what` is its kind in messages.
+///
+/// Errors: a name that is not among the known ones.
+pub(crate) fn find<'m, T>(
     card: &Card,
     place: Place,
     what: &str,
     name: &str,
-    known: &BTreeMap<String, T>,
-) -> Fault {
-    let near = nearest(&folded(name), known.keys().map(String::as_str));
-    let near = near.map_or(String::new(), |near| format!(", the nearest is {near}"));
-    card.fault_at(place, format!("there is no {what}{near}"))
+    known: &'m BTreeMap<String, T>,
+) -> Result<&'m T, Fault> {
+    known.get(&folded(name)).ok_or_else(|| {
+        let near = nearest(&folded(name), known.keys().map(String::as_str));
+        let near = near.map_or(String::new(), |near| format!(", the nearest is {near}"));
+        card.fault_at(place, format!("there is no {what} `{name}`{near}"))
+    })
 }
 
 /// Refuses unknown keywords and parameters, and what cannot be done.

@@ -3,13 +3,14 @@
 //! Nodes are in the order of the deck, which is that of VTK for all kinds here; faces S1, S2, .. (P1, P2, .. of *DLOAD) list
 //! corners. Source: CalculiX CrunchiX user's manual, chapter "Element types"; Abaqus has the same.
 
+use crate::results::Kind as Form;
 use dotyk::model::Analysis;
 
 /// What an element is made of.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
-    /// Name of the cell in dotyk.
-    pub cell: &'static str,
+    /// As result files call it.
+    pub form: Form,
     pub dimension: usize,
     pub nodes: usize,
     pub corners: usize,
@@ -69,14 +70,14 @@ const HEX_EDGES: &[[usize; 2]] = &[
 ];
 
 const fn shape(
-    cell: &'static str,
+    form: Form,
     [dimension, nodes, corners]: [usize; 3],
     faces: &'static [&'static [usize]],
     edges: &'static [[usize; 2]],
     gmsh: (u32, &'static [usize]),
 ) -> Shape {
     Shape {
-        cell,
+        form,
         dimension,
         nodes,
         corners,
@@ -86,53 +87,53 @@ const fn shape(
     }
 }
 
-static TRI3: Shape = shape("tri3", [2, 3, 3], TRI_FACES, &[], (2, &[0, 1, 2]));
+static TRI3: Shape = shape(Form::Tri3, [2, 3, 3], TRI_FACES, &[], (2, &[0, 1, 2]));
 static TRI6: Shape = shape(
-    "tri6",
+    Form::Tri6,
     [2, 6, 3],
     TRI_FACES,
     TRI_EDGES,
     (9, &[0, 1, 2, 3, 4, 5]),
 );
-static QUAD4: Shape = shape("quad4", [2, 4, 4], QUAD_FACES, &[], (3, &[0, 1, 2, 3]));
+static QUAD4: Shape = shape(Form::Quad4, [2, 4, 4], QUAD_FACES, &[], (3, &[0, 1, 2, 3]));
 static QUAD8: Shape = shape(
-    "quad8",
+    Form::Quad8,
     [2, 8, 4],
     QUAD_FACES,
     QUAD_EDGES,
     (16, &[0, 1, 2, 3, 4, 5, 6, 7]),
 );
-static TET4: Shape = shape("tet4", [3, 4, 4], TET_FACES, &[], (4, &[0, 1, 2, 3]));
+static TET4: Shape = shape(Form::Tet4, [3, 4, 4], TET_FACES, &[], (4, &[0, 1, 2, 3]));
 static TET10: Shape = shape(
-    "tet10",
+    Form::Tet10,
     [3, 10, 4],
     TET_FACES,
     TET_EDGES,
     (11, &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8]),
 );
 static PRISM6: Shape = shape(
-    "prism6",
+    Form::Prism6,
     [3, 6, 6],
     PRISM_FACES,
     &[],
     (6, &[0, 1, 2, 3, 4, 5]),
 );
 static PRISM15: Shape = shape(
-    "prism15",
+    Form::Prism15,
     [3, 15, 6],
     PRISM_FACES,
     PRISM_EDGES,
     (18, &[0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10]),
 );
 static HEX8: Shape = shape(
-    "hex8",
+    Form::Hex8,
     [3, 8, 8],
     HEX_FACES,
     &[],
     (5, &[0, 1, 2, 3, 4, 5, 6, 7]),
 );
 static HEX20: Shape = shape(
-    "hex20",
+    Form::Hex20,
     [3, 20, 8],
     HEX_FACES,
     HEX_EDGES,
@@ -271,8 +272,8 @@ mod tests {
             assert_eq!(
                 order,
                 (0..shape.nodes).collect::<Vec<_>>(),
-                "{}",
-                shape.cell
+                "{:?}",
+                shape.form
             );
             assert_eq!(shape.corners + shape.edges.len(), shape.nodes);
         }

@@ -46,9 +46,13 @@ pub(crate) fn read(deck: &Deck, card: &Card) -> Result<Read, Fault> {
                 let message = format!("the equation has {} of {count} terms", terms.len());
                 return Err(card.fault_at(first.place, message));
             };
+            if row.fields.len() % 3 != 0 {
+                let message = "terms are a node, a degree of freedom and a coefficient each";
+                return Err(card.fault_at(row.place, message));
+            }
             for term in 0..row.fields.len() / 3 {
                 let number = row.id(card, 3 * term, "a node")?;
-                let freedom = row.id(card, 3 * term + 1, "a degree of freedom")? as u8;
+                let freedom = row.freedom(card, 3 * term + 1)?;
                 let factor = row.number(card, 3 * term + 2, "a coefficient")?;
                 terms.push((deck.node(card, row.place, number)?, freedom, factor));
             }
@@ -126,11 +130,7 @@ pub(crate) fn rigid_sides(deck: &mut Deck, equal: &[Equal], axes: usize) -> Resu
     }
     let mut taken: BTreeSet<Index> = BTreeSet::new();
     for (nodes, (freedoms, place)) in groups {
-        let fault = |message: String| Fault {
-            place,
-            keyword: "EQUATION".to_string(),
-            message,
-        };
+        let fault = |message: String| Fault::new(place, "EQUATION", message);
         let reference = nodes[0];
         let held = &mut deck.acting.held.all;
         for freedom in (1..=axes as u8).filter(|freedom| !freedoms.contains(freedom)) {

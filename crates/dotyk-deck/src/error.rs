@@ -44,6 +44,14 @@ impl From<DeckError> for CaseError {
 }
 
 impl Fault {
+    pub fn new(place: Place, keyword: &str, message: impl Into<String>) -> Self {
+        Self {
+            place,
+            keyword: keyword.to_string(),
+            message: message.into(),
+        }
+    }
+
     /// The error with its file, underlined at its line.
     pub fn in_sources(self, sources: &Sources) -> DeckError {
         let message = match self.keyword.is_empty() {

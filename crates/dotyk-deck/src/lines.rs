@@ -81,11 +81,7 @@ impl Card {
 
     /// An error at a line of the card.
     pub fn fault_at(&self, place: Place, message: impl Into<String>) -> Fault {
-        Fault {
-            place,
-            keyword: self.keyword.clone(),
-            message: message.into(),
-        }
+        Fault::new(place, &self.keyword, message)
     }
 }
 
@@ -115,6 +111,19 @@ impl Row {
             return Err(card.fault_at(self.place, message));
         }
         self.number_or(card, index, 0.0)
+    }
+
+    /// A degree of freedom.
+    pub fn freedom(&self, card: &Card, index: usize) -> Result<u8, Fault> {
+        let text = self.field(index);
+        let known = text.parse::<u8>().ok().filter(|k| (1..=6).contains(k));
+        known.ok_or_else(|| {
+            let field = index + 1;
+            let message = format!(
+                "expected a degree of freedom from 1 to 6 in field {field}, found `{text}`"
+            );
+            card.fault_at(self.place, message)
+        })
     }
 
     /// A number of a node or element.
@@ -262,12 +271,11 @@ impl Reader {
                 card.rows.push(row);
                 Ok(())
             }
-            None => Err(Fault {
+            None => Err(Fault::new(
                 place,
-                keyword: String::new(),
-                message: "data before the first keyword: a deck begins with a line such as *NODE"
-                    .to_string(),
-            }),
+                "",
+                "data before the first keyword: a deck begins with a line such as *NODE",
+            )),
         }
     }
 }

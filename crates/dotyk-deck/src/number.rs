@@ -8,37 +8,26 @@ use std::io::Write;
 /// An exponent of three digits takes the place of the `E`, by the rule of Fortran (`1.0-130`).
 /// Needs `width >= decimals + 7`.
 pub(crate) fn scientific(line: &mut Vec<u8>, value: f64, width: usize, decimals: usize) {
-    if value.is_finite() {
-        let (digits, exponent) = significand(value.abs(), decimals);
-        column(
-            line,
-            width,
-            decimals,
-            value.is_sign_negative(),
-            digits,
-            exponent,
-        );
-    } else {
-        not_finite(line, value, width);
+    if !value.is_finite() {
+        return not_finite(line, value, width);
     }
+    let number = significand(value.abs(), decimals);
+    column(line, [width, decimals], value.is_sign_negative(), number);
 }
 
 /// Appends `value` with a zero before the point: `Ew.d` of Fortran.
 pub(crate) fn fraction(line: &mut Vec<u8>, value: f64, width: usize, decimals: usize) {
-    if value.is_finite() {
-        let (digits, exponent) = significand(value.abs(), decimals - 1);
-        let exponent = if digits == 0 { 0 } else { exponent + 1 };
-        column(
-            line,
-            width,
-            decimals,
-            value.is_sign_negative(),
-            digits,
-            exponent,
-        );
-    } else {
-        not_finite(line, value, width);
+    if !value.is_finite() {
+        return not_finite(line, value, width);
     }
+    let (digits, exponent) = significand(value.abs(), decimals - 1);
+    let exponent = if digits == 0 { 0 } else { exponent + 1 };
+    column(
+        line,
+        [width, decimals],
+        value.is_sign_negative(),
+        (digits, exponent),
+    );
 }
 
 /// Appends `NaN`, `Infinity` or `-Infinity` as Fortran does.
@@ -57,11 +46,9 @@ fn not_finite(line: &mut Vec<u8>, value: f64, width: usize) {
 /// Appends one column: `digits` are the digits of the mantissa without its point.
 fn column(
     line: &mut Vec<u8>,
-    width: usize,
-    decimals: usize,
+    [width, decimals]: [usize; 2],
     negative: bool,
-    mut digits: u64,
-    exponent: i32,
+    (mut digits, exponent): (u64, i32),
 ) {
     let start = line.len();
     line.resize(start + width, b' ');

@@ -2,7 +2,7 @@
 //!
 //! Loads, supports and temperatures stay until they are changed. OP=NEW takes away all of the same keyword. A load that a step
 //! names replaces that of earlier steps; named twice in one step, its parts add (as in CalculiX). Amplitudes and ramps count
-//! by their value at the end of a step.
+//! by their value at the end of a step; an amplitude of step time ends with its step.
 
 use crate::deck::*;
 use crate::error::Fault;
@@ -83,12 +83,19 @@ impl<K: Ord + Clone> Courses<K> {
         values.get(steps.checked_sub(1)?).copied().flatten()
     }
 
-    /// Writes down the values at the end of a step.
-    fn end(&mut self, step: usize, factor: impl Fn(&Option<String>) -> f64) {
-        for (key, current) in &self.now {
+    /// Writes down the values at the end of a step. What is not named again stays: by an amplitude of total time it goes on, by one of
+    /// the step it keeps the value reached, as in CalculiX.
+    fn end(&mut self, step: usize, factor: impl Fn(&Option<String>) -> (f64, bool)) {
+        for (key, current) in &mut self.now {
+            for (value, amplitude) in &mut current.parts {
+                let (factor, goes_on) = factor(amplitude);
+                if !goes_on {
+                    (*value, *amplitude) = (*value * factor, None);
+                }
+            }
             let parts = current.parts.iter();
             let value = parts
-                .map(|(value, amplitude)| value * factor(amplitude))
+                .map(|(value, amplitude)| value * factor(amplitude).0)
                 .sum();
             let course = self.all.entry(key.clone()).or_insert_with(|| Course {
                 place: current.place,
@@ -205,11 +212,7 @@ pub(crate) fn read(
     }
     if let Some(step) = &reader.step {
         let message = "the step has no *END STEP".to_string();
-        return Err(Fault {
-            place: step.place,
-            keyword: "STEP".to_string(),
-            message,
-        });
+        return Err(Fault::new(step.place, "STEP", message));
     }
     let count = reader.deck.steps.len();
     if count == 0 {
@@ -284,15 +287,13 @@ impl Reader<'_> {
             "FRICTION" => self.friction(card),
             "CHANGE FRICTION" | "CHANGE SURFACE BEHAVIOR" => {
                 let name = self.named(card, "INTERACTION")?;
-                if !self.deck.interactions.contains_key(&folded(&name)) {
-                    return Err(unknown(
-                        card,
-                        card.place,
-                        &format!("INTERACTION `{name}`"),
-                        &name,
-                        &self.deck.interactions,
-                    ));
-                }
+                find(
+                    card,
+                    card.place,
+                    "INTERACTION",
+                    &name,
+                    &self.deck.interactions,
+                )?;
                 self.interaction = Some(folded(&name));
                 Ok(())
             }
@@ -388,15 +389,7 @@ impl Reader<'_> {
     fn section(&mut self, card: &Card) -> Result<(), Fault> {
         let set = self.named(card, "ELSET")?;
         let material = self.named(card, "MATERIAL")?;
-        if !self.deck.element_sets.contains_key(&folded(&set)) {
-            return Err(unknown(
-                card,
-                card.place,
-                &format!("ELSET `{set}`"),
-                &set,
-                &self.deck.element_sets,
-            ));
-        }
+        find(card, card.place, "ELSET", &set, &self.deck.element_sets)?;
         let row = card.rows.first();
         let thickness = row.filter(|row| !row.field(0).is_empty());
         let thickness = thickness
@@ -490,17 +483,14 @@ impl Reader<'_> {
     }
 
     fn surface(&self, card: &Card, row: &Row, at: usize) -> Result<String, Fault> {
-        let name = row.field(at);
-        match self.deck.surfaces.contains_key(&folded(name)) {
-            true => Ok(folded(name)),
-            false => Err(unknown(
-                card,
-                row.place,
-                &format!("surface `{name}`"),
-                name,
-                &self.deck.surfaces,
-            )),
-        }
+        find(
+            card,
+            row.place,
+            "surface",
+            row.field(at),
+            &self.deck.surfaces,
+        )?;
+        Ok(folded(row.field(at)))
     }
 
     fn pair(&mut self, card: &Card) -> Result<(), Fault> {
@@ -624,15 +614,7 @@ impl Reader<'_> {
 
     fn coupling(&mut self, card: &Card, next: Option<&Card>) -> Result<(), Fault> {
         let surface = self.named(card, "SURFACE")?;
-        let Some(found) = self.deck.surfaces.get(&folded(&surface)) else {
-            return Err(unknown(
-                card,
-                card.place,
-                &format!("surface `{surface}`"),
-                &surface,
-                &self.deck.surfaces,
-            ));
-        };
+        let found = find(card, card.place, "surface", &surface, &self.deck.surfaces)?;
         let nodes = match &found.nodes {
             Some(nodes) => nodes.clone(),
             None => found
@@ -671,10 +653,10 @@ impl Reader<'_> {
         let axes = self.deck.axes() as u8;
         let mut coupled = BTreeSet::new();
         for row in &card.rows {
-            let first = self.freedom(card, row, 0)?;
+            let first = row.freedom(card, 0)?;
             let last = match row.field(1).is_empty() {
                 true => first,
-                false => self.freedom(card, row, 1)?,
+                false => row.freedom(card, 1)?,
             };
             coupled.extend(first..=last);
         }
@@ -703,15 +685,7 @@ impl Reader<'_> {
                 self.deck.node_set(card, card.place, name)?.members.clone(),
             ),
             (None, Some(name)) => {
-                let Some(set) = self.deck.element_sets.get(&folded(name)) else {
-                    return Err(unknown(
-                        card,
-                        card.place,
-                        &format!("ELSET `{name}`"),
-                        name,
-                        &self.deck.element_sets,
-                    ));
-                };
+                let set = find(card, card.place, "ELSET", name, &self.deck.element_sets)?;
                 let nodes = set
                     .members
                     .iter()
@@ -745,6 +719,9 @@ impl Reader<'_> {
                 "TYPE={word} is not supported: known is TEMPERATURE"
             )));
         }
+        if card.get("USER").is_some() {
+            return Err(card.fault("USER: temperatures are given by nodes"));
+        }
         for row in &card.rows {
             let value = row.number(card, 1, "the temperature")?;
             for node in self.deck.nodes_of(card, row, 0)? {
@@ -777,11 +754,7 @@ impl Reader<'_> {
                 if points.last().is_some_and(|last| last[0] >= point[0]) {
                     return Err(card.fault_at(
                         row.place,
-                        format!(
-                            "times must ascend, found {} behind {}",
-                            point[0],
-                            points[points.len() - 1][0]
-                        ),
+                        format!("times must ascend, {:?} does not", point[0]),
                     ));
                 }
                 points.push(point);
@@ -871,12 +844,13 @@ impl Reader<'_> {
         step.time = before + step.period;
         step.requests.clone_from(&self.requests);
         let (amplitudes, at) = (&deck.amplitudes, deck.steps.len());
-        let factor =
-            |name: &Option<String>| match name.as_ref().and_then(|name| amplitudes.get(name)) {
-                Some(amplitude) if amplitude.total => amplitude.at(step.time),
-                Some(amplitude) => amplitude.at(step.period),
-                None => 1.0,
-            };
+        let factor = |name: &Option<String>| {
+            let amplitude = name.as_ref().and_then(|name| amplitudes.get(name));
+            amplitude.map_or((1.0, false), |amplitude| match amplitude.total {
+                true => (amplitude.at(step.time), true),
+                false => (amplitude.at(step.period), false),
+            })
+        };
         let acting = &mut deck.acting;
         acting.held.end(at, factor);
         acting.forces.end(at, factor);
@@ -913,16 +887,8 @@ impl Reader<'_> {
             Some(other) => return Err(card.fault(format!("OP={other}: known are MOD and NEW"))),
         };
         let amplitude = card.get("AMPLITUDE").map(folded);
-        if let Some(name) = &amplitude
-            && !self.deck.amplitudes.contains_key(name)
-        {
-            return Err(unknown(
-                card,
-                card.place,
-                &format!("amplitude `{name}`"),
-                name,
-                &self.deck.amplitudes,
-            ));
+        if let Some(name) = &amplitude {
+            find(card, card.place, "amplitude", name, &self.deck.amplitudes)?;
         }
         if self.step.is_none() && card.keyword != "BOUNDARY" {
             return Err(card.fault("loads belong within a *STEP"));
@@ -974,10 +940,10 @@ impl Reader<'_> {
             "ZSYMM" => return Ok((3, 3)),
             _ => {}
         }
-        let first = self.freedom(card, row, 1)?;
+        let first = row.freedom(card, 1)?;
         let last = match row.field(2).is_empty() {
             true => first,
-            false => self.freedom(card, row, 2)?,
+            false => row.freedom(card, 2)?,
         };
         match first <= last {
             true => Ok((first, last)),
@@ -988,25 +954,13 @@ impl Reader<'_> {
         }
     }
 
-    fn freedom(&self, card: &Card, row: &Row, at: usize) -> Result<u8, Fault> {
-        let text = row.field(at);
-        let known = text.parse::<u8>().ok().filter(|k| (1..=6).contains(k));
-        known.ok_or_else(|| {
-            let message = format!(
-                "expected a degree of freedom from 1 to 6 in field {}, found `{text}`",
-                at + 1
-            );
-            card.fault_at(row.place, message)
-        })
-    }
-
     fn cload(&mut self, card: &Card) -> Result<(), Fault> {
         let (amplitude, new) = self.given(card)?;
         if new {
             self.deck.acting.forces.clear("CLOAD");
         }
         for row in &card.rows {
-            let freedom = self.freedom(card, row, 1)?;
+            let freedom = row.freedom(card, 1)?;
             let value = row.number(card, 2, "the force")?;
             for node in self.deck.nodes_of(card, row, 0)? {
                 let from = From::row(card, row);
@@ -1192,15 +1146,7 @@ impl Reader<'_> {
         }
         let pair = [card.get("SLAVE"), card.get("MASTER")].map(|name| name.map(folded));
         for name in pair.iter().flatten() {
-            if !self.deck.surfaces.contains_key(name) {
-                return Err(unknown(
-                    card,
-                    card.place,
-                    &format!("surface `{name}`"),
-                    name,
-                    &self.deck.surfaces,
-                ));
-            }
+            find(card, card.place, "surface", name, &self.deck.surfaces)?;
         }
         // the first request of a kind in a step takes the place of those before
         if self.asked.insert(keyword.to_string()) {
@@ -1223,14 +1169,8 @@ impl Reader<'_> {
     fn check_set(&self, card: &Card, keyword: &str, set: Option<&str>) -> Result<(), Fault> {
         match (keyword, set) {
             ("NODE PRINT", Some(name)) => self.deck.node_set(card, card.place, name).map(|_| ()),
-            ("EL PRINT", Some(name)) if !self.deck.element_sets.contains_key(&folded(name)) => {
-                Err(unknown(
-                    card,
-                    card.place,
-                    &format!("ELSET `{name}`"),
-                    name,
-                    &self.deck.element_sets,
-                ))
+            ("EL PRINT", Some(name)) => {
+                find(card, card.place, "ELSET", name, &self.deck.element_sets).map(|_| ())
             }
             ("NODE PRINT", None) => Err(card.fault("NSET=NAME is missing")),
             ("EL PRINT", None) => Err(card.fault("ELSET=NAME is missing")),

@@ -393,11 +393,7 @@ fn known(table: Table<'_>, criterion: Criterion) -> Result<Option<String>, Fault
 
 /// A number ≥ 0: zero requires the same number.
 fn tolerance(node: &Node) -> Result<f64, Fault> {
-    let value = node.number()?;
-    if value >= 0.0 {
-        return Ok(value);
-    }
-    Err(Fault::new(&node.span, "`tolerance` must not be negative").label("not ≥ 0"))
+    node.not_negative("`tolerance`")
 }
 
 #[cfg(test)]

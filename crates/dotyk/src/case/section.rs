@@ -156,12 +156,6 @@ fn bar(node: &Node) -> Result<Reinforcement, Fault> {
 }
 
 fn not_negative(node: &Node, name: &str) -> Result<f64, Fault> {
-    let value = node.number()?;
-    if value >= 0.0 {
-        return Ok(value);
-    }
-    let message = format!("{name} must not be negative");
-    Err(Fault::new(&node.span, message)
-        .label("not ≥ 0")
-        .help("strengths are positive, in tension and in compression"))
+    let value = node.not_negative(name);
+    value.map_err(|fault| fault.help("strengths are positive, in tension and in compression"))
 }

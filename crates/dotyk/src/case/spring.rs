@@ -54,12 +54,7 @@ fn stiffness(table: Table<'_>, key: &str) -> Result<f64, Fault> {
     let Some(node) = table.get(key) else {
         return Ok(0.0);
     };
-    let value = node.number()?;
-    if value >= 0.0 {
-        return Ok(value);
-    }
-    let message = format!("the stiffness `{key}` of a spring must not be negative");
-    Err(Fault::new(&node.span, message).label("not ≥ 0"))
+    node.not_negative(&format!("the stiffness `{key}` of a spring"))
 }
 
 /// Refuses keys of the other kind of springs.

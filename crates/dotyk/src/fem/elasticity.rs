@@ -95,7 +95,7 @@ impl Lame {
     }
 
     /// Whether these are the parameters of plane stress, whose λ is 2μν/(1 − ν); without ν there is no difference.
-    fn is_flat(self) -> bool {
+    pub fn is_flat(self) -> bool {
         self.out_of_plane != self.lambda
     }
 

@@ -192,6 +192,23 @@ impl Initial {
         Ok(lame.stress_of(strain, analysis).map(|s| -s))
     }
 
+    /// What the initial strain adds to the strain across the plane in plane stress: ε₀zz + ν/(1 − ν) (ε₀xx + ε₀yy), as the elastic
+    /// strain alone leaves σzz = 0. Zero in other analyses.
+    ///
+    /// Errors: an expression that is not finite.
+    pub(crate) fn across<const D: usize>(
+        &self,
+        lame: Lame,
+        point: Point<D>,
+        time: f64,
+    ) -> Result<f64, FemError> {
+        let Some(strain) = self.strain.as_ref().filter(|_| lame.is_flat()) else {
+            return Ok(0.0);
+        };
+        let [xx, yy, zz, ..] = strain.finite_at("initial_strain", point, time)?;
+        Ok(zz + lame.lambda / (2.0 * lame.mu) * (xx + yy))
+    }
+
     /// σ₀ at a point. Errors: an expression that is not finite.
     pub(crate) fn stress_at<const D: usize>(
         &self,

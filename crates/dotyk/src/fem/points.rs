@@ -4,7 +4,7 @@ use crate::fem::block::Cells;
 use crate::fem::error::FemError;
 use crate::fem::internal::CellForces;
 use crate::fem::nouns::{Analysis, Body};
-use crate::fem::stress::sum;
+use crate::fem::stress::{strain, sum};
 use crate::geometry::{Point, add_scaled};
 
 /// Stress and strain (xx yy zz xy yz xz, tensor components) at the points of integration of one cell.
@@ -53,9 +53,7 @@ pub fn cell_points<const D: usize>(
                 let held = sum(held, body.initial.stress_at(here.point, time)?);
                 let elastic = cells.lame.stress(here.gradient, here.hoop);
                 points.stress.push(sum(elastic, held));
-                points
-                    .strain
-                    .push(cells.lame.strain(here.gradient, here.hoop));
+                points.strain.push(strain(body, cells.lame, &here, time)?);
             }
             all.push(points);
         }

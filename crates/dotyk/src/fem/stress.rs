@@ -87,10 +87,23 @@ pub fn recover_strain<const D: usize>(
     displacement: &[Point<D>],
     time: f64,
 ) -> Result<Vec<[f64; 6]>, FemError> {
-    let local =
-        |lame: Lame, _: Sample, here: &Deformation<D>| Ok(lame.strain(here.gradient, here.hoop));
+    let local = |lame: Lame, _: Sample, here: &Deformation<D>| strain(body, lame, here, time);
     let (state, borders) = ((displacement, time), Borders::of(body)?);
     recover((body, analysis), state, Samples::Best, local, &borders)
+}
+
+/// Total strain (xx yy zz xy yz xz) of a deformation.
+///
+/// Errors: an initial strain that is not finite.
+pub(crate) fn strain<const D: usize>(
+    body: &Body<D>,
+    lame: Lame,
+    here: &Deformation<D>,
+    time: f64,
+) -> Result<[f64; 6], FemError> {
+    let mut strain = lame.strain(here.gradient, here.hoop);
+    strain[2] += body.initial.across(lame, here.point, time)?;
+    Ok(strain)
 }
 
 /// Recovered rotation vector at every place, radians, as [`recover_stress`]; in the plane its third component.

@@ -660,3 +660,23 @@ fn a_component_out_of_the_plane_is_not_forgotten_in_silence() {
         "{found:?}"
     );
 }
+
+#[test]
+fn a_plate_grows_across_its_plane_as_its_stress_and_temperature_say() {
+    // εzz = αT - ν/E (σxx + σyy): free all round, and held along x
+    for (held, wanted) in [("", 1e-3), (", { side = \"right\", x = 0.0 }", 1e-3 * 1.3)] {
+        let text = format!(
+            "analysis = \"plane-stress\"\n[[body]]\nname = \"plate\"\n\
+             mesh = {{ rectangle = {{ from = [0.0, 0.0], to = [2.0, 1.0], cells = [4, 3] }} }}\n\
+             material = {{ young = 2e11, poisson = 0.3 }}\ninitial_strain = {{ thermal = 100.0, expansion = 1e-5 }}\n\
+             fix = [{{ side = \"left\", x = 0.0 }}, {{ point = [0.0, 0.0], y = 0.0 }}{held}]\n\
+             [[probe]]\nname = \"across\"\nquantity = \"plate.strain.zz\"\nat = [1.3, 0.4]\n"
+        );
+        let case = Case::<2>::from_str(&text, "plate.toml", ".".as_ref()).unwrap();
+        let found = case.model.solve().unwrap().probes[0].value;
+        assert!(
+            (found / wanted - 1.0).abs() < 1e-10,
+            "{held}: {found} and not {wanted}"
+        );
+    }
+}

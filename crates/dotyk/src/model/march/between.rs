@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 const ON_A_LINE: f64 = 1e-12;
 
 /// Sides that have sunk into each other by more than this part of their motion were not kept apart.
-pub(crate) const SUNK: f64 = 0.5;
+const SUNK: f64 = 0.5;
 
 /// The place where two sides overlap most beyond what their meshes can resolve.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -199,8 +199,16 @@ pub(crate) fn smallest_gap<const D: usize>(
 }
 
 /// How deep the sides of one contact have sunk into each other between the nodes, if by more than half of the motion of either side
-/// there: initial overlaps and the dents of pressed facets are smaller.
-pub(crate) fn sunk<const D: usize>(condition: &Condition<D>, moved: &Moved<'_, D>) -> Option<f64> {
+/// there: initial overlaps and the dents of pressed facets are smaller. A `tip` of a tool, which lies between all samples, is compared
+/// with the largest motion.
+pub(crate) fn sunk<const D: usize>(
+    condition: &Condition<D>,
+    moved: &Moved<'_, D>,
+    tip: f64,
+) -> Option<f64> {
+    let motions = moved.own.iter().map(|u| norm(*u));
+    let largest = motions.fold(norm(moved.obstacle), f64::max);
+    let tip = (tip > SUNK * largest).then_some(tip);
     let motion = |nodes: &[(usize, f64)], u: &[Point<D>]| {
         let sum = nodes
             .iter()
@@ -222,7 +230,7 @@ pub(crate) fn sunk<const D: usize>(condition: &Condition<D>, moved: &Moved<'_, D
             let depth = at.gap.min(0.0) - at.after(moved);
             (depth > SUNK * own.max(other)).then_some(depth)
         });
-    depths.reduce(f64::max)
+    depths.chain(tip).reduce(f64::max)
 }
 
 fn gaps<const D: usize>(samples: &[Sample<D>], moved: &Moved<'_, D>) -> Vec<f64> {

@@ -6,10 +6,10 @@
 
 use crate::contact::{Coupling, Row};
 use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed};
-use crate::geometry::{Point, distance, dot, norm};
+use crate::geometry::{Point, distance, dot};
 use crate::linalg::SparseVector;
 use crate::model::march::between::{
-    Overlap, SUNK, held_overlap, left_overlap, smallest_gap, sunk, worst_overlap,
+    Overlap, held_overlap, left_overlap, smallest_gap, sunk, worst_overlap,
 };
 use crate::model::march::intrusion::intrusions;
 use crate::model::march::open::open_forces;
@@ -343,11 +343,8 @@ pub(crate) fn blurred<const D: usize>(
             Some(gap) if force <= none && gap < -rounding => Some(Blur::Unborne(-gap)),
             _ if force <= none && tip(contact) > rounding => Some(Blur::Unborne(tip(contact))),
             _ => {
-                let own = moved.own.iter().map(|&u| norm(u));
-                let motion = own.fold(norm(moved.obstacle), f64::max);
-                let tip = Some(tip(contact)).filter(|depth| *depth > SUNK * motion);
-                let deep = sunk(condition, &moved).into_iter().chain(tip);
-                let deep = deep.reduce(f64::max).filter(|depth| *depth > rounding);
+                let deep = sunk(condition, &moved, tip(contact));
+                let deep = deep.filter(|depth| *depth > rounding);
                 deep.map(Blur::Sunk)
             }
         };
