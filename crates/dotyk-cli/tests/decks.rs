@@ -271,7 +271,7 @@ fn loads_and_supports_go_on_from_step_to_step_as_in_calculix() {
             ],
             &[5.0, 2.0],
         ),
-        // of two cards with OP=NEW in a step the first acts
+        // OP=NEW acts on the first card of its keyword in a step
         (
             "new-twice",
             &[
@@ -279,6 +279,14 @@ fn loads_and_supports_go_on_from_step_to_step_as_in_calculix() {
                 "*CLOAD, OP=NEW\nTop, 3, 1.\n*CLOAD, OP=NEW\n5, 3, 1.\n6, 3, 1.\n7, 3, 1.\n8, 3, 1.\n",
             ],
             &[36.0, 8.0],
+        ),
+        (
+            "new-behind",
+            &[
+                "*CLOAD\nTop, 3, 9.\n",
+                "*CLOAD\nTop, 3, 1.\n*CLOAD, OP=NEW\nTop, 3, 0.5\n",
+            ],
+            &[36.0, 6.0],
         ),
         // pressure on a face, by element or by surface
         (

@@ -1,8 +1,9 @@
 //! The second pass: materials, contact, and the steps with what holds and loads the model at the end of each.
 //!
-//! Loads, supports and temperatures stay until they are changed. OP=NEW takes away all of the same keyword. A load that a step
-//! names replaces that of earlier steps; named twice in one step, its parts add (as in CalculiX). Amplitudes and ramps count
-//! by their value at the end of a step; an amplitude of step time ends with its step.
+//! Loads, supports and temperatures stay until they are changed. OP=NEW of the first card of a keyword in a step takes away all
+//! that earlier steps have brought by it. A load that a step names replaces that of earlier steps; named twice in one step, its
+//! parts add. Amplitudes and ramps count by their value at the end of a step; an amplitude of step time ends with its step. All
+//! this is as CalculiX has it.
 
 use crate::deck::*;
 use crate::error::Fault;
@@ -204,7 +205,7 @@ pub(crate) fn read(
         interaction: None,
         requests: Vec::new(),
         asked: BTreeSet::new(),
-        renewed: BTreeSet::new(),
+        had: BTreeSet::new(),
         statics: false,
     };
     for (at, card) in cards.iter().enumerate() {
@@ -243,8 +244,8 @@ struct Reader<'d> {
     /// Requests that stand, and those keywords that this step has replaced.
     requests: Vec<Request>,
     asked: BTreeSet<String>,
-    /// Keywords whose OP=NEW has acted in this step: a second one does nothing, as in CalculiX.
-    renewed: BTreeSet<String>,
+    /// Keywords that this step has had: OP=NEW acts on the first card of its keyword alone, as in CalculiX.
+    had: BTreeSet<String>,
     statics: bool,
 }
 
@@ -787,7 +788,7 @@ impl Reader<'_> {
             ..Step::default()
         });
         self.asked.clear();
-        self.renewed.clear();
+        self.had.clear();
         self.statics = false;
         Ok(())
     }
@@ -893,8 +894,8 @@ impl Reader<'_> {
         if self.step.is_none() && card.keyword != "BOUNDARY" {
             return Err(card.fault("loads belong within a *STEP"));
         }
-        let new = new && self.renewed.insert(card.keyword.clone());
-        Ok((amplitude, new))
+        let first = self.had.insert(card.keyword.clone());
+        Ok((amplitude, new && first))
     }
 
     fn boundary(&mut self, card: &Card) -> Result<(), Fault> {
