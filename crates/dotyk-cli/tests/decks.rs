@@ -370,12 +370,16 @@ fn loads_and_supports_go_on_from_step_to_step_as_in_calculix() {
 #[test]
 fn commands_that_need_a_case_say_how_to_get_one() {
     let folder = folder("no-case", &["press.inp"]);
-    for command in ["study", "compare", "export"] {
-        let output = dotyk(&folder, &[command, "press.inp"]);
-        assert_eq!(output.status.code(), Some(2), "{command}");
+    for command in [
+        &["study", "--vary", "E=1..2:2"][..],
+        &["compare"],
+        &["export"],
+    ] {
+        let output = dotyk(&folder, &[command, &["press.inp"]].concat());
+        assert_eq!(output.status.code(), Some(2), "{command:?}");
         assert!(
             told(&output).contains("dotyk import"),
-            "{command}: {}",
+            "{command:?}: {}",
             told(&output)
         );
     }
@@ -440,7 +444,7 @@ fn spoilt_decks_are_refused_at_a_line_or_solved() {
         assert!(!message.contains("panicked"), "{number}: {message}");
     }
     assert!(
-        refused > 50 && solved > 50,
+        refused > 100 && solved > 20,
         "{refused} refused, {solved} solved"
     );
 }
