@@ -1,12 +1,12 @@
 //! Cases: files, and texts with meshes and functions; what can be done with them.
 
 use crate::dual::{Dual, Own};
-use crate::errors;
+use crate::errors::{self, Origin};
 use crate::functions::{Function, fields};
 use crate::mesh::Mesh;
 use crate::run::{AnyRun, Run};
 use crate::worker::{Caller, wait};
-use dotyk::case::{AnyCase, CaseError, Given};
+use dotyk::case::{AnyCase, Given};
 use dotyk::model::{Check, Event, Method, SolverOptions, Study, Varied};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -29,8 +29,7 @@ pub(crate) use of_any;
 #[pyclass(frozen, module = "dotyk._dotyk")]
 pub struct Case {
     case: Arc<AnyCase>,
-    /// Whether the case comes from a file, whose lines the messages name.
-    file: bool,
+    origin: Origin,
     caller: Arc<Caller>,
     since: Instant,
 }
@@ -50,12 +49,21 @@ impl Case {
     #[staticmethod]
     fn of_file(py: Python<'_>, path: PathBuf, parameters: Vec<Parameter>) -> PyResult<Self> {
         let (caller, since) = (Arc::new(Caller::default()), Instant::now());
-        // the lines of a deck are not those of the case that it becomes
-        let lines = !dotyk_deck::is_deck(&path);
         let read = wait(py, &caller, None, move |_| {
-            dotyk_deck::read_case(&path, &parameters).map(|(case, _)| case)
+            dotyk_deck::read_case(&path, &parameters)
         })?;
-        Self::new(py, read, caller, (lines, since))
+        // what is wrong already is told at its place in the deck
+        let (case, deck) = read.map_err(|error| errors::of_case(py, &error, &Origin::File))?;
+        let origin = match deck {
+            Some(deck) => Origin::Deck(Arc::from(deck)),
+            None => Origin::File,
+        };
+        Ok(Self {
+            case: Arc::new(case),
+            origin,
+            caller,
+            since,
+        })
     }
 
     /// Reads a text with the meshes and functions that it names.
@@ -90,7 +98,13 @@ impl Case {
         let read = wait(py, &caller, None, move |_| {
             AnyCase::from_parts(&text, &name, &folder, &parameters, &given)
         })?;
-        Self::new(py, read, caller, (false, since))
+        let case = read.map_err(|error| errors::of_case(py, &error, &Origin::Python))?;
+        Ok(Self {
+            case: Arc::new(case),
+            origin: Origin::Python,
+            caller,
+            since,
+        })
     }
 
     /// Name of the case.
@@ -158,7 +172,7 @@ impl Case {
         Ok(Run::new(
             case,
             run,
-            (self.file, since),
+            (self.origin.clone(), since),
             Arc::clone(&self.caller),
         ))
     }
@@ -182,7 +196,7 @@ impl Case {
             let observe = || work.go_on();
             of_any!(&*case, |case| case.study(&parameters, varied, &observe))
         })?;
-        let study = study.map_err(|error| errors::of_case(py, &error, self.file))?;
+        let study = study.map_err(|error| errors::of_case(py, &error, &self.origin))?;
         columns(py, &study)
     }
 
@@ -192,25 +206,8 @@ impl Case {
             py,
             Arc::clone(&self.case),
             time,
-            (self.file, Arc::clone(&self.caller)),
+            (self.origin.clone(), Arc::clone(&self.caller)),
         )
-    }
-}
-
-impl Case {
-    fn new(
-        py: Python<'_>,
-        read: Result<AnyCase, CaseError>,
-        caller: Arc<Caller>,
-        (file, since): (bool, Instant),
-    ) -> PyResult<Self> {
-        let case = read.map_err(|error| errors::of_case(py, &error, file))?;
-        Ok(Self {
-            case: Arc::new(case),
-            file,
-            caller,
-            since,
-        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! The dual problem of a step, and solvers written in Python.
 
 use crate::case::{method_of, of_any};
-use crate::errors;
+use crate::errors::{self, Origin};
 use crate::worker::{Caller, Work, locked, wait};
 use dotyk::case::AnyCase;
 use dotyk::dual::{Block, Certificate, DualProblem, Multipliers};
@@ -46,7 +46,7 @@ macro_rules! of_dual {
 pub struct Dual {
     case: Arc<AnyCase>,
     dual: Arc<Mutex<AnyDual>>,
-    file: bool,
+    origin: Origin,
     caller: Arc<Caller>,
 }
 
@@ -228,7 +228,7 @@ impl Dual {
         Ok(crate::run::Run::new(
             case,
             run,
-            (self.file, since),
+            (self.origin.clone(), since),
             Arc::clone(&self.caller),
         ))
     }
@@ -240,7 +240,7 @@ impl Dual {
         py: Python<'_>,
         case: Arc<AnyCase>,
         time: Option<f64>,
-        (file, caller): (bool, Arc<Caller>),
+        (origin, caller): (Origin, Arc<Caller>),
     ) -> PyResult<Self> {
         let shared = Arc::clone(&case);
         let dual = wait(py, &caller, None, move |_| {
@@ -259,7 +259,7 @@ impl Dual {
         Ok(Self {
             case,
             dual: Arc::new(Mutex::new(dual)),
-            file,
+            origin,
             caller,
         })
     }

@@ -1,7 +1,10 @@
 //! Exceptions of the package, with the library's own texts.
 
 use dotyk::case::CaseError;
+use dotyk_deck::Deck;
 use pyo3::prelude::*;
+use std::borrow::Cow;
+use std::sync::Arc;
 
 /// The package module that defines them.
 const MODULE: &str = "dotyk._errors";
@@ -21,12 +24,37 @@ pub fn input(py: Python<'_>, message: impl std::fmt::Display) -> PyErr {
     raised(py, "InputError", &message.to_string())
 }
 
-/// Bad input at a place of a text: with line and column for a file, without them for a model built in Python.
-pub fn of_case(py: Python<'_>, error: &CaseError, file: bool) -> PyErr {
-    let mut text = match file {
-        true => error.to_string(),
-        false => error.message.clone(),
-    };
+/// What a case was read from: whose lines its messages name.
+#[derive(Clone)]
+pub enum Origin {
+    /// A case file.
+    File,
+    /// A deck, whose lines are not those of the case that it became.
+    Deck(Arc<Deck>),
+    /// A model built in Python, which has no lines.
+    Python,
+}
+
+impl Origin {
+    /// An error in words, at its place.
+    pub fn told(&self, error: &CaseError) -> String {
+        match self {
+            Self::Python => error.message.clone(),
+            _ => self.located(error).to_string(),
+        }
+    }
+
+    fn located<'a>(&self, error: &'a CaseError) -> Cow<'a, CaseError> {
+        match self {
+            Self::Deck(deck) => Cow::Owned(deck.located(error.clone())),
+            _ => Cow::Borrowed(error),
+        }
+    }
+}
+
+/// Bad input at a place of a text.
+pub fn of_case(py: Python<'_>, error: &CaseError, origin: &Origin) -> PyErr {
+    let mut text = origin.told(error);
     // a label that names a thing is better than its position
     if error.label.contains('`') {
         text = format!("{text}: {}", error.label);

@@ -56,7 +56,8 @@ fn members() -> Vec<(&'static str, &'static str, Vec<&'static str>)> {
 /// A text of a case file as JSON.
 #[pyfunction]
 fn to_json(py: Python<'_>, text: &str, name: &str) -> PyResult<String> {
-    dotyk::case::to_json(text, name).map_err(|error| errors::of_case(py, &error, true))
+    dotyk::case::to_json(text, name)
+        .map_err(|error| errors::of_case(py, &error, &errors::Origin::File))
 }
 
 /// The nearest of some known words, or none.

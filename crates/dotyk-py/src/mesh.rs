@@ -51,7 +51,8 @@ impl Mesh {
         let read = wait(py, &caller, None, move |_| {
             read_mesh(&text, &folder, space, &given)
         })?;
-        let (given, warnings) = read.map_err(|error| errors::of_case(py, &error, false))?;
+        let (given, warnings) =
+            read.map_err(|error| errors::of_case(py, &error, &errors::Origin::Python))?;
         Ok(Self { given, warnings })
     }
 

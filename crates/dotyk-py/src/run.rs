@@ -1,7 +1,7 @@
 //! The results of a case: numbers as arrays, the summary, pictures and files.
 
 use crate::case::of_any;
-use crate::errors;
+use crate::errors::{self, Origin};
 use crate::mesh::rows;
 use crate::worker::{Caller, wait};
 use dotyk::case::{AnyCase, Case, CaseError};
@@ -27,7 +27,7 @@ pub enum AnyRun {
 pub struct Run {
     case: Arc<AnyCase>,
     run: Arc<AnyRun>,
-    file: bool,
+    origin: Origin,
     spent: Duration,
     caller: Arc<Caller>,
 }
@@ -54,8 +54,8 @@ impl Run {
         };
         let refusal: &Option<CaseError> = refusal?;
         Some(match refusal {
-            Some(error) if !self.file => (error.message.clone(), true),
-            _ => (text, refusal.is_some()),
+            Some(error) => (self.origin.told(error), true),
+            None => (text, false),
         })
     }
 
@@ -121,7 +121,7 @@ impl Run {
             of_both!(own, |case, run| case.probe(&text, &run.standing()[step]))
         })?;
         let read = read.map_err(|error| errors::input(py, error))?;
-        let value = read.map_err(|error| errors::of_case(py, &error, false))?;
+        let value = read.map_err(|error| errors::of_case(py, &error, &Origin::Python))?;
         if value.line.is_empty() {
             return Ok(value.value.into_pyobject(py)?.into_any().unbind());
         }
@@ -207,6 +207,7 @@ impl Clone for Run {
         Self {
             case: Arc::clone(&self.case),
             run: Arc::clone(&self.run),
+            origin: self.origin.clone(),
             caller: Arc::clone(&self.caller),
             ..*self
         }
@@ -214,17 +215,17 @@ impl Clone for Run {
 }
 
 impl Run {
-    /// The results of a case; whether it comes from a file, and when its reading began.
+    /// The results of a case; what it comes from, and when its reading began.
     pub fn new(
         case: Arc<AnyCase>,
         run: AnyRun,
-        (file, since): (bool, Instant),
+        (origin, since): (Origin, Instant),
         caller: Arc<Caller>,
     ) -> Self {
         Self {
             case,
             run: Arc::new(run),
-            file,
+            origin,
             spent: since.elapsed(),
             caller,
         }
