@@ -452,19 +452,17 @@ fn members<const D: usize>(solution: &Solution<D>) -> String {
         let [least, most] = ends.map(|f| force(&scales, f));
         vec![
             member.name.clone(),
-            number(member.length),
+            number(member.shortening.unwrap_or(member.length)),
             least,
             most,
             state.to_string(),
         ]
     };
     let tables = solution.members_by_kind().map(|(kind, members)| {
+        let bolts = members.iter().any(|member| member.shortening.is_some());
+        let length = if bolts { "shortening" } else { "length" };
         let rows: Vec<Vec<String>> = members.into_iter().map(row).collect();
-        columns(
-            &[kind.key, "length", "least N", "largest N", ""],
-            &rows,
-            1..4,
-        )
+        columns(&[kind.key, length, "least N", "largest N", ""], &rows, 1..4)
     });
     tables.collect::<Vec<String>>().join("\n")
 }

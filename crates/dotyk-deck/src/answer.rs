@@ -16,7 +16,7 @@ use crate::{dat, steps};
 use dotyk::fem::{CellPoints, FemError, cell_points, nodal_forces, recover_spin};
 use dotyk::geometry::Point;
 use dotyk::model::{ContactSolution, Model, Solution};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Strains and rotations up to these are small: lengths are wrong by less than a two-hundredth of the rest.
 const SMALL: (f64, f64) = (0.02, 0.1);
@@ -167,7 +167,9 @@ impl Deck {
                 let node = node as usize;
                 step.displacement[node] = space(own.displacement[local]);
                 let (total, contact) = (space(forces[local]), space(own.contact_forces[local]));
-                step.reaction[node] = std::array::from_fn(|d| total[d] - contact[d]);
+                let of_bolts = own.member_forces.get(&local).filter(|_| with_forces);
+                let of_bolts = of_bolts.map_or([0.0; 3], |force| space(*force));
+                step.reaction[node] = std::array::from_fn(|d| total[d] - contact[d] - of_bolts[d]);
                 step.stress[node] = tensor(own.stress[local]);
                 step.strain[node] = tensor(own.strain[local]);
             }
@@ -182,6 +184,20 @@ impl Deck {
             step.displacement[gone] = step.displacement[kept];
             step.stress[gone] = step.stress[kept];
             step.strain[gone] = step.strain[kept];
+        }
+        // the two nodes of a cut are one of the deck
+        for (node, copy) in &self.deck.copies {
+            let (node, copy) = (*node as usize, *copy as usize);
+            let other = std::mem::take(&mut step.reaction[copy]);
+            (0..3).for_each(|d| step.reaction[node][d] += other[d]);
+        }
+        for (node, bolt) in &self.shortenings {
+            if let Some(member) = solution.member(bolt) {
+                let force = member.largest().map_or(0.0, |station| station.force);
+                let length = member.shortening.unwrap_or(0.0);
+                step.displacement[*node as usize] = [length, 0.0, 0.0];
+                step.reaction[*node as usize] = [force, 0.0, 0.0];
+            }
         }
         self.references(solution, &mut step);
         let rows = solution.contacts.iter();
@@ -250,6 +266,7 @@ impl Deck {
         asked: &[steps::Request],
         rows: usize,
     ) -> Result<Vec<Print>, FemError> {
+        let copies: BTreeSet<Index> = self.deck.copies.values().copied().collect();
         let mut prints = Vec::new();
         let mut points: Option<HashMap<Index, CellPoints>> = None;
         for request in asked {
@@ -264,7 +281,8 @@ impl Deck {
                     ("NODE PRINT", "U" | "RF") => {
                         let known = self.deck.node_sets.get(&folded(&set));
                         let nodes = known.map_or(Vec::new(), |set| {
-                            set.members.iter().map(|node| *node as usize).collect()
+                            let members = set.members.iter().filter(|node| !copies.contains(node));
+                            members.map(|node| *node as usize).collect()
                         });
                         let quantity = if quantity == "U" {
                             NodeQuantity::Displacement

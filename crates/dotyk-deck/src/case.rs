@@ -7,6 +7,7 @@ use crate::error::Fault;
 use crate::lines::{Place, folded};
 use crate::msh::Groups;
 use crate::names::{Names, clean};
+use crate::pretension::{PreTension, Tightening};
 use crate::reach::beyond;
 use crate::steps::{Course, Step};
 use dotyk::model::Analysis;
@@ -76,6 +77,8 @@ pub(crate) struct Writer<'d> {
     used: Vec<Names>,
     /// Reference points: body and name of the point.
     pub references: BTreeMap<Index, (usize, String)>,
+    /// Nodes of pre-tension sections and the names of their bolts.
+    pub shortenings: Vec<(Index, String)>,
 }
 
 /// Entries of `fix` and `load` and the like of one body.
@@ -109,8 +112,13 @@ impl<'d> Writer<'d> {
             points: BTreeMap::new(),
             used: bodies.list.iter().map(|_| Names::default()).collect(),
             references: BTreeMap::new(),
+            shortenings: Vec::new(),
         };
         writer.head(title);
+        // what acts is handed over to bodies
+        let sections = writer.deck.pretensions.clone().into_iter();
+        let tightened = sections.map(|section| Ok((writer.deck.tightening(&section)?, section)));
+        let tightened: Vec<(Tightening, PreTension)> = tightened.collect::<Result<_, Fault>>()?;
         let mut entries: Vec<Entries> = bodies.list.iter().map(|_| Entries::default()).collect();
         writer.couples(&mut entries)?;
         writer.supports(&mut entries)?;
@@ -121,6 +129,7 @@ impl<'d> Writer<'d> {
         }
         writer.contacts()?;
         writer.ties()?;
+        writer.bolts(&tightened)?;
         for (number, step) in (1..).zip(writer.deck.steps.clone()) {
             let line = format!(
                 "[[step]]\nname = \"step-{number}\"\ntime = {:?}\n",
@@ -349,6 +358,12 @@ impl<'d> Writer<'d> {
         })
     }
 
+    /// Whether a node is that of a pre-tension section.
+    fn shortens(&self, node: Index) -> bool {
+        let mut sections = self.deck.pretensions.iter();
+        sections.any(|section| section.node == node)
+    }
+
     fn supports(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
         let held = std::mem::take(&mut self.deck.acting.held.all);
         let steps = self.deck.steps.clone();
@@ -357,6 +372,9 @@ impl<'d> Writer<'d> {
         let mut alike: BTreeMap<Key, Vec<Index>> = BTreeMap::new();
         let mut by_node: BTreeMap<(Index, Place), Vec<(u8, &Course)>> = BTreeMap::new();
         for ((node, freedom), course) in &held {
+            if self.shortens(*node) {
+                continue;
+            }
             late(course, *freedom)?;
             match self.coupling(*node) {
                 Some(_) => self.hold_point(*node, *freedom, course, &steps, entries)?,
@@ -483,6 +501,9 @@ impl<'d> Writer<'d> {
         for ((node, freedom), course) in &forces {
             let fault = |message: String| Fault::new(course.place, "CLOAD", message);
             let number = self.deck.numbers[*node as usize];
+            if self.shortens(*node) {
+                continue;
+            }
             if let Some((coupling, turns)) = self.coupling(*node) {
                 let Some((body, point)) = self.references.get(&coupling.reference).cloned() else {
                     continue;
@@ -1049,6 +1070,48 @@ impl<'d> Writer<'d> {
             }
         }
         self.deck.ties = ties;
+        Ok(())
+    }
+
+    /// A bolt for each pre-tension section.
+    fn bolts(&mut self, tightened: &[(Tightening, PreTension)]) -> Result<(), Fault> {
+        let steps = self.deck.steps.clone();
+        for (tightening, section) in tightened {
+            let name = self.names.fresh(&clean(&section.of));
+            let mut keys = vec![format!("name = \"{name}\"")];
+            for (key, faces) in ["from", "to"].iter().zip(&section.faces) {
+                let body = self.bodies.of_element[faces[0].0 as usize];
+                let wanted = format!("{}-{key}", section.of);
+                let side = self.side(body, faces, &wanted);
+                let body = &self.bodies.list[body].name;
+                keys.push(format!("{key} = {{ side = \"{body}.{side}\" }}"));
+            }
+            if let Some(normal) = section.normal {
+                keys.push(format!("axis = {}", list(&normal[..self.axes()])));
+            }
+            for stretch in stretches(&tightening.forces, &steps) {
+                keys.push(format!("prestress = {}", stretch.text));
+                let until = match steps.get(stretch.until) {
+                    Some(next) => format!(", until = {:?}", next.time),
+                    None => String::new(),
+                };
+                let from = steps[stretch.from].time;
+                keys.push(format!("tightened = {{ from = {from:?}{until} }}"));
+            }
+            let lengths = tightening
+                .lengths
+                .iter()
+                .map(|length| length.unwrap_or(0.0));
+            if tightening.lengths.iter().any(Option::is_some) {
+                let text = quoted(&expression(&lengths.collect::<Vec<_>>(), &steps));
+                keys.push(format!("shortening = {text}"));
+            }
+            self.text.line(section.place, "[[bolt]]");
+            keys.iter()
+                .for_each(|key| self.text.line(section.place, key));
+            self.text.line(section.place, "");
+            self.shortenings.push((section.node, name));
+        }
         Ok(())
     }
 

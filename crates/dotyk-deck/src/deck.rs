@@ -6,6 +6,7 @@ use crate::elements::{Kind, kind};
 use crate::error::Fault;
 use crate::keywords::{Becomes, entry};
 use crate::lines::{Card, Place, Row, Sources, folded};
+use crate::pretension::PreTension;
 use crate::steps::Step;
 use dotyk::case::nearest;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -169,6 +170,9 @@ pub(crate) struct Deck {
     pub pairs: Vec<Pair>,
     pub ties: Vec<Tie>,
     pub couplings: Vec<Coupling>,
+    pub pretensions: Vec<PreTension>,
+    /// What the elements ahead of pre-tension sections have instead of the nodes there.
+    pub copies: BTreeMap<Index, Index>,
     /// Nodes that equations make one, the second of each stands for nothing any more.
     pub same: Vec<[Index; 2]>,
     pub amplitudes: BTreeMap<String, Amplitude>,
@@ -195,7 +199,9 @@ impl Deck {
         deck.geometry(cards)?;
         let (equal, held) = deck.equations(cards)?;
         deck.surfaces(cards)?;
+        deck.cut_sections(cards)?;
         crate::steps::read(&mut deck, cards, &held)?;
+        deck.treat_copies_alike();
         let axes = deck.axes();
         crate::equations::rigid_sides(&mut deck, &equal, axes)?;
         Ok(deck)
@@ -313,6 +319,14 @@ impl Deck {
             add(&mut self.node_sets, name, members);
         }
         Ok(())
+    }
+
+    /// A node of a new number at the place of another one.
+    pub fn copy_node(&mut self, node: Index) {
+        let largest = self.numbers.iter().copied().max().unwrap_or(0);
+        self.numbers.push(largest + 1);
+        self.points.push(self.points[node as usize]);
+        self.places.push(self.places[node as usize]);
     }
 
     fn elements(&mut self, card: &Card) -> Result<(), Fault> {

@@ -278,13 +278,7 @@ pub(crate) const KEYWORDS: &[Entry] = &[
         &["USER"],
         Refused("multiple point constraints are not supported: use *RIGID BODY, *COUPLING or *TIE"),
     ),
-    (
-        "PRE-TENSION SECTION",
-        &["NODE", "SURFACE", "ELEMENT"],
-        Refused(
-            "not supported yet: put a `[[bar]]` with `prestress` between the halves of the bolt, in the case that `dotyk import` writes",
-        ),
-    ),
+    ("PRE-TENSION SECTION", &["NODE", "SURFACE", "ELEMENT"], Read),
     (
         "CYCLIC SYMMETRY MODEL",
         &["N", "NGRAPH", "TIE", "ELSET", "CHECK"],

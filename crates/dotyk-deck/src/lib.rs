@@ -24,6 +24,7 @@ mod lines;
 mod msh;
 mod names;
 mod number;
+mod pretension;
 mod reach;
 mod results;
 mod steps;
@@ -59,6 +60,8 @@ pub struct Deck {
     contacts: Vec<case::Named>,
     /// Body and name of the point of each reference node.
     references: BTreeMap<deck::Index, (usize, String)>,
+    /// Node and bolt of each pre-tension section.
+    shortenings: Vec<(deck::Index, String)>,
 }
 
 /// Whether a file is a deck, by its name.
@@ -117,6 +120,7 @@ fn converted(
     let writer = case::Writer::new(&mut deck, &bodies, names, file, &stem)?;
     let (text, groups) = (writer.text, writer.groups);
     let (contacts, references) = (writer.contacts, writer.references);
+    let shortenings = writer.shortenings;
     Ok(Deck {
         mesh: msh::text(&deck, &bodies, &groups),
         origins: text.origins,
@@ -129,6 +133,7 @@ fn converted(
         bodies,
         contacts,
         references,
+        shortenings,
     })
 }
 

@@ -39,7 +39,7 @@ impl Origin {
     /// An error in words, at its place.
     pub fn told(&self, error: &CaseError) -> String {
         match self {
-            Self::Python => error.message.clone(),
+            Self::Python => placed(error),
             _ => self.located(error).to_string(),
         }
     }
@@ -49,6 +49,18 @@ impl Origin {
             Self::Deck(deck) => Cow::Owned(deck.located(error.clone())),
             _ => Cow::Borrowed(error),
         }
+    }
+}
+
+/// An error of a text that the user does not see: behind the keys that lead to it, but for those that it names itself.
+fn placed(error: &CaseError) -> String {
+    let message = &error.message;
+    let name = |step: &String| step.split('`').nth(1).unwrap_or(step).to_string();
+    let told = |step: &String| message.contains(&format!("`{}`", name(step)));
+    let way: Vec<String> = error.way().into_iter().filter(|step| !told(step)).collect();
+    match way.is_empty() {
+        true => message.clone(),
+        false => format!("{}: {message}", way.join(", ")),
     }
 }
 

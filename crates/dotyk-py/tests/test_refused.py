@@ -68,6 +68,7 @@ CHANGES = {
     "contact": lambda m: m.contact("floor", nonmortar="a.bottom", obstacle={"gap": 0.0}),
     "bar": lambda m: m.bar("bolt", from_=[0, 0], to=[0, 1], bodies=["a"], young=1, area=1),
     "spring": lambda m: m.spring("buffer", from_=[0, 0], to=[0, 1], bodies=["a"], stiffness=1),
+    "bolt": lambda m: m.bolt("stud", body="a", at=[0.5, 0.5], axis=[0, 1], prestress=1),
     "section": lambda m: m.section("cut", body="a", sides=["left", "right"], stations=[[0.5, 0.5]]),
     "probe": lambda m: m.probe("p", "a.stress.yy", at=[0.5, 0.5]),
     "step": lambda m: m.step(2.0),

@@ -540,6 +540,35 @@ class Model:
         return self._add("spring", locals())
 
     @keywords
+    def bolt(
+        self,
+        name: str,
+        body: str | None = None,
+        at: Any = None,
+        axis: Place | None = None,
+        from_: Any = None,
+        to: Any = None,
+        prestress: Number | None = None,
+        tightened: Table | None = None,
+        shortening: Number | None = None,
+    ) -> Model:
+        """Adds a bolt made of cells: its ``body`` is cut ``at`` a place across its ``axis``, and drawn together there.
+
+        A mesh that is cut already has the two sides ``from_`` and ``to``. The step that tightens it has ``prestress``; then its
+        shortening stays, or is ``shortening``.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> bar = m.body("bar", dotyk.rectangle([0, 0], [1, 4], cells=[2, 8]), young=1000, poisson=0)
+        >>> _ = bar.fix("bottom", x=0, y=0).fix("top", y=0)
+        >>> _ = m.bolt("stud", body="bar", at=[0.5, 2], axis=[0, 1], prestress=5)
+        >>> stud = m.solve().bolts["stud"]
+        >>> round(stud.force, 9), round(stud.shortening, 9)
+        (5.0, 0.02)
+        """
+        return self._add("bolt", locals())
+
+    @keywords
     def probe(
         self,
         name: str,

@@ -698,6 +698,7 @@ class Solution(_Frozen):
     probes: Named[ProbeValue]
     bars: Named[Any]
     springs: Named[Any]
+    bolts: Named[Any]
     sections: Named[Any]
     warnings: list[str]
     #: The step that has no answer, with its number, time and reason; ``None`` where all have one.

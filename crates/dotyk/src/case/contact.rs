@@ -441,7 +441,8 @@ fn different(pair: &[SideRef; 2], second: &Node, contact: &str) -> Result<(), Fa
     if pair[0] != pair[1] {
         return Ok(());
     }
-    let message = format!("contact `{contact}` presses a side against itself");
+    let side = &pair[0].side;
+    let message = format!("contact `{contact}` presses the side `{side}` against itself");
     Err(Fault::new(&second.span, message).label("the same side"))
 }
 

@@ -3,7 +3,7 @@
 //! Every reader returns the value or a located error with the expected and the found kind. Tables list their keys; any
 //! other key is an error that names the nearest known one.
 
-use crate::case::error::Fault;
+use crate::case::error::{CaseError, Fault};
 use crate::case::expression::{self, Variables};
 use crate::case::given::Given;
 use crate::case::parameters::{self, Parameters};
@@ -98,6 +98,69 @@ pub(crate) fn parse_whole(text: &str) -> Result<Node, Fault> {
         span,
         parameters,
     })
+}
+
+impl CaseError {
+    /// The keys of the text that lead to the error, in words, such as "body `block`", "load 2", "`traction`"; none for the text as a
+    /// whole.
+    pub fn way(&self) -> Vec<String> {
+        let root = self
+            .span
+            .as_ref()
+            .and_then(|_| parse_whole(&self.source_text).ok());
+        let found = root.zip(self.span.as_ref());
+        let found = found.and_then(|(root, place)| way_from(&root, place));
+        found.map_or_else(Vec::new, |(_, way)| way)
+    }
+}
+
+/// The way to the narrowest node around a place, and how narrow it is.
+fn way_from(node: &Node, place: &Span) -> Option<(usize, Vec<String>)> {
+    let around = |span: &Span| span.start <= place.start && place.end <= span.end;
+    let mut best = around(&node.span).then(|| (node.span.len(), Vec::new()));
+    let mut take = |found: Option<(usize, Vec<String>)>, step: &str| {
+        let found = found.filter(|(width, _)| best.as_ref().is_none_or(|best| *width <= best.0));
+        if let Some((width, way)) = found {
+            best = Some((
+                width,
+                std::iter::once(step.to_string()).chain(way).collect(),
+            ));
+        }
+    };
+    for Entry {
+        key,
+        key_span,
+        node,
+    } in node.entries().unwrap_or_default()
+    {
+        let list = node
+            .list()
+            .ok()
+            .filter(|list| list.iter().any(|one| one.entries().is_ok()));
+        let several = list.is_some_and(|list| list.len() > 1);
+        for (number, one) in (1..).zip(list.unwrap_or_default()) {
+            let entries = one.entries().unwrap_or_default();
+            let name = entries.iter().find(|entry| entry.key == "name");
+            let step = match name.map(|entry| &entry.node.value) {
+                Some(Value::Text(name)) => format!("{key} `{name}`"),
+                _ if several => format!("{key} {number}"),
+                _ => key.clone(),
+            };
+            take(way_from(one, place), &step);
+        }
+        if list.is_none() {
+            let step = match node.value {
+                Value::Table(_) => key.clone(),
+                _ => format!("`{key}`"),
+            };
+            take(
+                around(key_span).then(|| (key_span.len(), Vec::new())),
+                &step,
+            );
+            take(way_from(node, place), &step);
+        }
+    }
+    best
 }
 
 fn tables(text: &str) -> Result<toml::Spanned<DeTable<'_>>, Fault> {

@@ -1,6 +1,7 @@
 //! Members of a case file: the readers of all kinds, and of the line that all of them have.
 
 mod bar;
+mod bolt;
 mod spring;
 
 use crate::case::contact::side_ref;
@@ -19,14 +20,15 @@ macro_rules! readers {
         pub(crate) const KEYS: [&[&str]; MemberKind::ALL.len()] = [$($file::KEYS,)*];
 
         /// The law of a member of each kind.
-        const READERS: [fn(Table<'_>, &str) -> Result<MemberKind, Fault>; KEYS.len()] =
-            [$(|table, what| $file::read(table, what).map(MemberKind::$kind),)*];
+        const READERS: [fn(Table<'_>, &str, &Steps) -> Result<MemberKind, Fault>; KEYS.len()] =
+            [$(|table, what, steps| $file::read(table, what, steps).map(MemberKind::$kind),)*];
     };
 }
 
 readers! {
     bar::Bar
     spring::SpringBetween
+    bolt::Bolt
 }
 
 /// All members of a case, kind by kind, each with its node.
@@ -42,17 +44,23 @@ pub(crate) fn members<'n, const D: usize>(
             let table = node.table(keys)?;
             let name = name(table.require("name", &format!("a {}", kind.key))?)?;
             let what = format!("{} `{name}`", kind.key);
-            if analysis == Analysis::Axisymmetric {
-                return Err(later(
-                    table.span,
-                    &format!("a {} with axial symmetry", kind.key),
-                ));
-            }
             let active = steps.active(table)?;
+            let mut law = read(table, &what, steps)?;
+            let line = match &mut law {
+                MemberKind::Bolt(bolt) => {
+                    bolt.axis = bolt::axis::<D>(table)?;
+                    bolt::line(table, (&name, &what), bodies)?
+                }
+                _ if analysis == Analysis::Axisymmetric => {
+                    let what = format!("a {} with axial symmetry", kind.key);
+                    return Err(later(table.span, &what));
+                }
+                _ => line(table, (kind, &what), bodies)?,
+            };
             let member = Member {
                 active,
-                kind: read(table, &what)?,
-                line: line(table, (kind, &what), bodies)?,
+                kind: law,
+                line,
                 name,
             };
             members.push((member, node));
@@ -107,7 +115,7 @@ fn line<const D: usize>(
 }
 
 /// A point, or `{ side = "BODY.SIDE" }`.
-fn end<const D: usize>(
+pub(crate) fn end<const D: usize>(
     node: &Node,
     what: &str,
     bodies: &mut [Body<D>],

@@ -66,6 +66,12 @@ impl Steps {
             .map(|read| read.0)
     }
 
+    /// The times that a table of `active` tells.
+    pub fn times_of(&self, node: &Node) -> Result<Active, Fault> {
+        self.read_active(Some(node), keys::ACTIVE)
+            .map(|read| read.0)
+    }
+
     /// The same for a body, with the remaining part of its forces after it has gone.
     pub fn active_body(&self, table: Table<'_>) -> Result<(Active, Option<Field>), Fault> {
         let node = table.get("active");

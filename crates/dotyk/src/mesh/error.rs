@@ -137,6 +137,18 @@ pub enum MeshError {
         /// Name.
         side: String,
     },
+    /// A cut along facets of which one is not between two cells.
+    #[error("a cut runs between cells, and at {point:?} it runs along the boundary")]
+    CutOutside {
+        /// The middle of the facet, missing coordinates zero.
+        point: [f64; 3],
+    },
+    /// A cut around whose end the cells behind and ahead of it are connected.
+    #[error("the cut ends within the body, near {point:?}: it must go through")]
+    CutEnds {
+        /// The middle of a facet of it, missing coordinates zero.
+        point: [f64; 3],
+    },
     /// A side names a facet that does not exist.
     #[error("side `{side}`: facet {local} of cell {cell} of block {block} does not exist")]
     FacetOutOfRange {

@@ -23,6 +23,7 @@ mod reference;
 mod shell;
 mod sizes;
 mod skin;
+mod slit;
 mod strip;
 
 pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES, drop_repeated};

@@ -306,7 +306,8 @@ displacement and then that of its rotation, whatever node and direction are writ
 a row for each of their points, and bars, a row for each element: in rows.csv its middle and its direction from the beginning of
 the bar to its end; lambda > 0 is tension. Of a bar that yields lambda counts from the middle of what it bears; what lambda = 0
 pulls there is in d and e. Springs between places come behind bars, as these; of one that bears compression alone lambda > 0 is
-compression, and its direction the other way round.
+compression, and its direction the other way round. Bolts come last: rows of each pair of nodes of the cut, along its axis and
+across it.
 
 COLUMNS of B and u are displacements in the directions {axes}, prescribed ones included, node by node (column first + {D} node
 + direction, all from 0); the point of a couple has two nodes, the second for its {rotation}:

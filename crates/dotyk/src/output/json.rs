@@ -432,6 +432,9 @@ struct MemberEntry<'a> {
     max: f64,
     /// It was tightened in this step.
     tightening: bool,
+    /// Of a bolt.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    shortening: Option<f64>,
     stations: Vec<MemberStationEntry<'a>>,
 }
 
@@ -468,6 +471,7 @@ fn member_entry<const D: usize>(member: &MemberSolution<D>) -> MemberEntry<'_> {
         min,
         max,
         tightening: member.tightening,
+        shortening: member.shortening,
         stations: stations.collect(),
     }
 }

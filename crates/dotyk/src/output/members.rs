@@ -70,10 +70,12 @@ fn forces<const D: usize>(
     labels: &Labels,
 ) -> Markup {
     let several = !run.earlier.is_empty();
+    // a cut has no length, and draws its sides together instead
+    let drawn = members.iter().any(|member| member.kind.is_bolt());
     let mut heads: Vec<Head> = vec![
         left(kind.key),
         left(kind.choice),
-        column("length", &labels.length),
+        column(if drawn { "shortening" } else { "length" }, &labels.length),
         column("least N", &labels.force),
         column("largest N", &labels.force),
     ];
@@ -97,7 +99,10 @@ fn forces<const D: usize>(
             .map(|(k, _, own)| (k, extremes(own)))
             .collect();
         let last = run.last.member(&member.name);
-        let length = courses(run, member).map(|(.., own)| own.length).next();
+        let length = match drawn {
+            true => last.and_then(|own| own.shortening),
+            false => courses(run, member).map(|(.., own)| own.length).next(),
+        };
         let mut row = vec![
             text(&member.name),
             text(member.kind.pull().chosen(member.line.bond)),

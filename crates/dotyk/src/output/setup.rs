@@ -365,7 +365,14 @@ pub fn name_links<const D: usize>(svg: &mut Svg, model: &Model<D>, flow: &mut Fl
     for (kind, members) in model.members_by_kind() {
         for bond in [Bond::Ends, Bond::Grouted] {
             if members.iter().any(|member| member.line.bond == bond) {
-                let at = flow.explain(svg, &format!("{}, {}", kind.key, bond.held()));
+                let bolts = members.iter().any(|member| member.kind.is_bolt());
+                let at = flow.explain(
+                    svg,
+                    &match bolts {
+                        true => format!("{}, drawn together at its cut", kind.key),
+                        false => format!("{}, {}", kind.key, bond.held()),
+                    },
+                );
                 let y = at[1] - 4.0;
                 draw_member(svg, [[at[0], y], [at[0] + 16.0, y]], (kind, bond));
             }

@@ -3,6 +3,7 @@
 use crate::case::document::{Node, Table};
 use crate::case::error::Fault;
 use crate::case::members::positive;
+use crate::case::steps::Steps;
 use crate::model::Bar;
 
 pub(crate) const KEYS: &[&str] = &[
@@ -22,7 +23,7 @@ pub(crate) const KEYS: &[&str] = &[
 ];
 
 /// The law of a bar.
-pub(crate) fn read(table: Table<'_>, what: &str) -> Result<Bar, Fault> {
+pub(crate) fn read(table: Table<'_>, what: &str, _: &Steps) -> Result<Bar, Fault> {
     let required = |key: &str| table.require(key, what)?.positive(&format!("`{key}`"));
     let (young, area) = (required("young")?, required("area")?);
     Ok(Bar {

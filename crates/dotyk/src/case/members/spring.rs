@@ -2,6 +2,7 @@
 
 use crate::case::document::{Node, Table};
 use crate::case::error::Fault;
+use crate::case::steps::Steps;
 use crate::model::{Acts, SpringBetween};
 
 pub(crate) const KEYS: &[&str] = &[
@@ -18,7 +19,7 @@ pub(crate) const KEYS: &[&str] = &[
 ];
 
 /// The law of a spring.
-pub(crate) fn read(table: Table<'_>, what: &str) -> Result<SpringBetween, Fault> {
+pub(crate) fn read(table: Table<'_>, what: &str, _: &Steps) -> Result<SpringBetween, Fault> {
     let stiffness = table.require("stiffness", what)?;
     let known = Acts::ALL.map(|acts| (acts.name(), acts));
     let acts = table.get("acts");

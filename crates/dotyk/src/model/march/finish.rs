@@ -149,9 +149,9 @@ pub(crate) fn finish<const D: usize>(
     let mut solution = Solution {
         time: condensed.time,
         dofs: bodies.iter().map(|body| body.dofs).sum(),
+        members: member_solutions(stage, &condensed.conditions, lambda, &bodies)?,
         bodies,
         contacts,
-        members: member_solutions(stage, &condensed.conditions, lambda)?,
         sections,
         certificate,
         overlap,

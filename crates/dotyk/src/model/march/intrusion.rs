@@ -61,6 +61,9 @@ const LARGEST_GRADIENT: f64 = 1.0;
 /// If all facets of an edge lie within this multiple of the motion, its overlap does not count as narrow.
 const NARROW: f64 = 10.0;
 
+/// Rounding of a shift of two sides past each other.
+const PASSED: f64 = 1e-9;
+
 /// Rounding of coordinates relative to the size of the bodies.
 const COORDINATE: f64 = 8.0 * ROUNDING;
 
@@ -83,7 +86,13 @@ pub(crate) fn intrusions<const D: usize>(
             &lambda[rows],
         )
     });
-    let mut known: Vec<Named<'_, D>> = known.collect();
+    // bolts stand behind the contacts
+    let bolts = condensed.conditions.iter().filter_map(|condition| {
+        let member = &model.members[condition.source.member()?];
+        member.kind.bolt()?;
+        Named::of_cut((model, skins), &member.name, condition, displaced)
+    });
+    let mut known: Vec<Named<'_, D>> = known.chain(bolts).collect();
     let bodies = model.bodies.iter().zip(skins).zip(&displaced.states);
     let bodies = bodies
         .map(|((body, skin), state)| Solid::new(&body.name, body.mesh.points(), skin, &state.u));
@@ -167,12 +176,7 @@ impl<'a, const D: usize> Named<'a, D> {
         lambda: &[f64],
     ) -> Self {
         let clearances = condition.interface.nodes.iter().map(|node| node.clearance);
-        let side = |side: &SideRef| -> Surrounding<D> {
-            let mesh = &model.bodies[side.body.0].mesh;
-            let facets = mesh.side(&side.side).unwrap_or_default().iter();
-            let nodes = facets.flat_map(|facet| mesh.facet_nodes(*facet));
-            skins[side.body.0].going_on_from(&nodes.collect(), mesh.points())
-        };
+        let side = |side: &SideRef| around(model, skins, side);
         let given = match contact.gap {
             Some(Gap::Given(_)) => Some((
                 clearances.fold(0.0, f64::max),
@@ -217,6 +221,32 @@ impl<'a, const D: usize> Named<'a, D> {
         }
     }
 
+    /// The cut of a bolt between two bodies: at its sides these may overlap by as much as they are drawn over each other.
+    fn of_cut(
+        (model, skins): (&Model<D>, &[Skin<D>]),
+        name: &'a str,
+        condition: &Condition<D>,
+        displaced: &'a Displaced<D>,
+    ) -> Option<Self> {
+        let sides = [&condition.nonmortar, condition.mortar.as_ref()?];
+        let passed = condition.interface.nodes.iter().map(|node| {
+            let beyond = node.opposite.iter().map(|&(node, _)| node);
+            let u = |side: usize, node: usize| displaced.nodes(sides[side].body.0)[node];
+            let apart = beyond.map(|other| norm(sub(u(0, node.node), u(1, other))));
+            apart.fold(0.0, f64::max)
+        });
+        let passed = passed.fold(0.0, f64::max) * (1.0 + PASSED);
+        Some(Self {
+            name,
+            bodies: (sides[0].body.0, Some(sides[1].body.0)),
+            moved: moved(condition, displaced),
+            resolved: BTreeMap::new(),
+            given: Some((passed, sides.map(|side| Some(around(model, skins, side))))),
+            out: BTreeSet::new(),
+            above: None,
+        })
+    }
+
     /// Allowed overlap at a node of its nonmortar side.
     fn allows(&self, node: u32) -> Option<f64> {
         let resolved = self.resolved.get(&(node as usize))?;
@@ -248,6 +278,14 @@ impl<'a, const D: usize> Named<'a, D> {
             false => near.into_iter().any(out),
         }
     }
+}
+
+/// An undeformed side with its smooth continuations.
+fn around<const D: usize>(model: &Model<D>, skins: &[Skin<D>], side: &SideRef) -> Surrounding<D> {
+    let mesh = &model.bodies[side.body.0].mesh;
+    let facets = mesh.side(&side.side).unwrap_or_default().iter();
+    let nodes = facets.flat_map(|facet| mesh.facet_nodes(*facet));
+    skins[side.body.0].going_on_from(&nodes.collect(), mesh.points())
 }
 
 /// A displaced body.

@@ -136,6 +136,11 @@ pub(crate) trait Pull {
         None
     }
 
+    /// Whether it is tightened in the step of a time, in which it `comes` or not.
+    fn tightened(&self, comes: bool, _time: f64) -> bool {
+        comes && self.prestress().is_some()
+    }
+
     /// The largest force of one member.
     fn strength(&self) -> Option<f64> {
         None
@@ -223,6 +228,8 @@ pub struct MemberSolution<const D: usize> {
     pub stations: Vec<MemberStation<D>>,
     /// It was tightened in this step.
     pub tightening: bool,
+    /// The shortening of a bolt: by how much the sides of its cut have passed each other along its axis.
+    pub shortening: Option<f64>,
 }
 
 /// Force of an element of a member.

@@ -1,15 +1,18 @@
 //! All kinds of members, each a file of `members/` and a line of the table below.
 
 mod bar;
+mod bolt;
 mod spring;
 
 pub use bar::Bar;
+pub use bolt::Bolt;
+pub(crate) use bolt::Drawn;
 pub use spring::{Acts, SpringBetween};
 
 use crate::fem::Active;
 use crate::model::nouns::member::{Line, MemberWords, Pull};
 
-/// A connection of points of bodies by forces along a line: a bolt, an anchor, a tie, a spring.
+/// A connection of places of bodies by forces along a line: a bolt, an anchor, a tie, a spring.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Member<const D: usize> {
     /// Unique name.
@@ -73,7 +76,23 @@ macro_rules! kinds {
     };
 }
 
+impl MemberKind {
+    /// Whether it is a bolt: the two sides of a cut instead of a line between two places.
+    pub fn is_bolt(&self) -> bool {
+        self.bolt().is_some()
+    }
+
+    /// Itself, if it is a bolt: the two sides of a cut instead of a line between two places.
+    pub(crate) fn bolt(&self) -> Option<&Bolt> {
+        match self {
+            Self::Bolt(bolt) => Some(bolt),
+            Self::Bar(_) | Self::SpringBetween(_) => None,
+        }
+    }
+}
+
 kinds! {
     bar::Bar
     spring::SpringBetween
+    bolt::Bolt
 }

@@ -23,7 +23,7 @@ pub(crate) struct Presence {
     /// Of each body.
     pub springs: Vec<Vec<bool>>,
     pub members: Vec<bool>,
-    /// Members that are being tightened: prestressed ones in their first step.
+    /// Members that are being tightened: prestressed ones in their first step, bolts when it is said.
     pub tightening: Vec<bool>,
 }
 
@@ -43,7 +43,7 @@ impl Presence {
         let been = before.map_or(vec![false; there.len()], members);
         let new = there.iter().zip(&been).map(|(now, been)| *now && !been);
         let tightened = new.zip(&model.members);
-        let tightening = tightened.map(|(new, member)| new && prestressed(member));
+        let tightening = tightened.map(|(new, member)| member.kind.pull().tightened(new, time));
         let tightening = tightening.collect();
         let bodies: Vec<bool> = model.bodies.iter().map(|b| b.active.at(time)).collect();
         let touching = |contact: &Contact<D>| {
@@ -77,11 +77,6 @@ impl Presence {
         let mut lists = lists.chain(supports).chain(springs);
         lists.all(|list| list.iter().all(|&there| there))
     }
-}
-
-/// It pulls with its prestress in the step in which it comes.
-fn prestressed<const D: usize>(member: &Member<D>) -> bool {
-    member.kind.pull().prestress().is_some()
 }
 
 /// Index of each present element among those present.
@@ -118,7 +113,12 @@ impl<'m, const D: usize> Stage<'m, D> {
     pub fn whole(model: &'m Model<D>) -> Self {
         Self {
             model: Cow::Borrowed(model),
-            tightening: model.members.iter().map(prestressed).collect(),
+            tightening: {
+                let first = model.times.first().copied().unwrap_or(1.0);
+                let members = model.members.iter();
+                let tightened = members.map(|m| m.kind.pull().tightened(true, first));
+                tightened.collect()
+            },
             absent: Vec::new(),
         }
     }
@@ -200,7 +200,10 @@ impl<const D: usize> Model<D> {
 
     /// Whether its steps pass on a state other than slip.
     pub(crate) fn is_staged(&self) -> bool {
-        self.members.iter().any(prestressed) || self.has_stages()
+        // what is tightened in its first step is locked in the next
+        let first = self.times.first().copied().unwrap_or(1.0);
+        let mut members = self.members.iter();
+        members.any(|member| member.kind.pull().tightened(true, first)) || self.has_stages()
     }
 
     /// Whether the presence at a time differs from that in its first load step.

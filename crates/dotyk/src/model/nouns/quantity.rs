@@ -62,6 +62,8 @@ pub(crate) enum Parts {
     Section(usize, SectionQuantity),
     /// Force of a member; a field of its stations, and alone the one of the largest magnitude.
     Member(usize),
+    /// Shortening of a bolt; a number.
+    Shortening(usize),
 }
 
 /// A component of a vector, or its length.
@@ -152,6 +154,7 @@ const PRINCIPAL: [(&str, usize); 3] = [("s1", 0), ("s2", 1), ("s3", 2)];
 
 /// The force of a member.
 const FORCE: &str = "force";
+const SHORTENING: &str = "shortening";
 
 /// The displacement of the rigid obstacle of a contact.
 const OBSTACLE: &str = "displacement_obstacle";
@@ -261,7 +264,7 @@ impl Quantity {
             (Some(body), ..) => of_body(&words, body, &bodies[body])?,
             (_, Some(contact), ..) => of_contact::<D>(&words, contact)?,
             (.., Some(section), _) => of_section(&words, section)?,
-            (.., Some(member)) => of_member(&words, member, members[member].kind.words())?,
+            (.., Some(member)) => of_member(&words, member, &members[member].kind)?,
             (None, None, None, None) => {
                 let bodies = bodies.iter().map(|body| body.name.as_str());
                 let others = contacts.iter().chain(sections).copied();
@@ -306,7 +309,7 @@ impl Quantity {
             | Parts::Dissipated(contact, _)
             | Parts::Obstacle(contact, _) => *contact = contacts[*contact]?,
             Parts::Section(section, _) => *section = sections[*section]?,
-            Parts::Member(member) => *member = members[*member]?,
+            Parts::Member(member) | Parts::Shortening(member) => *member = members[*member]?,
         }
         let text = self.text.clone();
         Some(Self {
@@ -342,6 +345,7 @@ impl Quantity {
             Parts::Displacement(..)
             | Parts::Along(..)
             | Parts::Length(..)
+            | Parts::Shortening(_)
             | Parts::Obstacle(..) => Dimension::Length,
             Parts::Moment(..) => Dimension::Moment,
             Parts::Dissipated(..) => Dimension::Energy,
@@ -624,14 +628,19 @@ fn of_section(words: &Words<'_>, section: usize) -> Result<Parts, QuantityError>
     }
 }
 
-fn of_member(words: &Words<'_>, member: usize, kind: MemberWords) -> Result<Parts, QuantityError> {
+fn of_member(words: &Words<'_>, member: usize, kind: &MemberKind) -> Result<Parts, QuantityError> {
+    let shortening = kind.bolt().map(|_| SHORTENING);
+    let known = || std::iter::once(FORCE).chain(shortening);
     match words.0[1..] {
-        [] => Err(words.incomplete([FORCE])),
+        [] => Err(words.incomplete(known())),
         [FORCE] => Ok(Parts::Member(member)),
-        [FORCE, ..] => Err(words.mistake(Mistake::TooLong, 1, [])),
+        [SHORTENING] if shortening.is_some() => Ok(Parts::Shortening(member)),
+        [word, _, ..] if known().any(|own| own == word) => {
+            Err(words.mistake(Mistake::TooLong, 1, []))
+        }
         _ => {
-            let what = format!("quantity of a {}", kind.key);
-            Err(words.mistake(Mistake::Unknown(what.into()), 1, [FORCE]))
+            let what = format!("quantity of a {}", kind.words().key);
+            Err(words.mistake(Mistake::Unknown(what.into()), 1, known()))
         }
     }
 }

@@ -205,7 +205,7 @@ fn link_forces<const D: usize>(
                     *sum = add_scaled(*sum, -offset, c);
                 }
             }
-            if condition.elastic.is_none() {
+            if condition.elastic.is_none() && condition.source.member().is_none() {
                 continue;
             }
             let forces = condition.forces(&lambda[rows.clone()]);
@@ -220,7 +220,7 @@ fn link_forces<const D: usize>(
                     Source::Of(Owner::Member(_)) => {
                         of_members[body].entry(node).or_insert([0.0; D])
                     }
-                    // these have no elastic part
+                    // these are not links
                     Source::Contact(_)
                     | Source::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..)) => {
                         continue;

@@ -136,6 +136,7 @@ fn site<const D: usize>(
         | Parts::Moment(..)
         | Parts::Length(..)
         | Parts::Dissipated(..)
+        | Parts::Shortening(_)
         | Parts::Obstacle(..) => return Ok(nowhere),
         Parts::Section(..) | Parts::Member(_) => match (&probe.along, probe.reading) {
             (None, Reading::Whole) if !probe.quantity.is_of_member() => {
@@ -424,6 +425,7 @@ fn field<'a, const D: usize>(
             let moved = solution.contacts[of].obstacle;
             number(moved.map_or(f64::NAN, |u| component.of(u)))
         }
+        Parts::Shortening(of) => number(solution.members[of].shortening.unwrap_or(f64::NAN)),
         Parts::Section(..) | Parts::Member(_) => number(f64::NAN),
         Parts::Rotation(of, axis) => number(rotation(body(of).1, probe.reading, axis)),
         Parts::Displacement(of, component) => {

@@ -1,12 +1,13 @@
 //! Parts of one body that lie on each other without common nodes: a mesh whose coincident nodes were never merged.
 //!
 //! Such parts are not connected; they penetrate and separate without a message. A facet of the boundary lies on another one if each
-//! of its corners lies on one of the other, within [`SAME`] of the facet. Sides of contacts are intended to do so.
+//! of its corners lies on one of the other, within [`SAME`] of the facet. Sides of contacts and of bolts are intended to do so.
 
 use crate::fem::show;
 use crate::geometry::{Point, distance};
 use crate::mesh::{Facet, Mesh};
 use crate::model::nouns::ids::BodyId;
+use crate::model::nouns::member::MemberEnd;
 use crate::model::nouns::model::Model;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -29,7 +30,12 @@ pub(crate) fn unglued<const D: usize>(model: &Model<D>, id: BodyId) -> Option<St
         .contacts
         .iter()
         .flat_map(|contact| contact.pair.sides());
-    let sides = sides.filter(|side| side.body == id);
+    let of_members = model.members.iter().flat_map(|member| &member.line.ends);
+    let of_members = of_members.filter_map(|end| match end {
+        MemberEnd::Side(side) => Some(side),
+        MemberEnd::Point(_) => None,
+    });
+    let sides = sides.chain(of_members).filter(|side| side.body == id);
     let meant = sides.flat_map(|side| mesh.side(&side.side).unwrap_or_default());
     let meant: BTreeSet<Facet> = meant.copied().collect();
     let facets = mesh.boundary_facets().into_iter();

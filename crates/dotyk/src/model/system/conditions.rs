@@ -1,10 +1,12 @@
-//! All conditions of a stage, in one order: contacts, then the connections of the parts that are not bodies, in the order of these.
+//! All conditions of a stage, in one order: contacts, then the connections of the parts that are not bodies, in the order of these,
+//! then bolts.
 
 use crate::fem::Constraints;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
 use crate::model::system::bed::bedded;
+use crate::model::system::bolt::drawn_together;
 use crate::model::system::condition::{Condition, Source};
 use crate::model::system::contact::{contact_gaps, touching};
 use crate::model::system::couple::{check_held, coupling};
@@ -35,6 +37,11 @@ pub(crate) fn all_conditions<const D: usize>(
             Owner::Bed(of, place) => bedded(model, (of, place), part)?,
             Owner::Member(place) => pulling(stage, (place, &laid[place]), part),
         });
+    }
+    for (place, member) in model.members.iter().enumerate() {
+        if let Some(bolt) = member.kind.bolt() {
+            conditions.push(drawn_together(stage, constraints, (place, bolt), time)?);
+        }
     }
     Ok(conditions)
 }

@@ -5,6 +5,7 @@ use crate::geometry::norm;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::bodies::LoadedBody;
+use crate::model::system::bolt::take_tension;
 use crate::model::system::condition::Condition;
 use crate::model::system::conditions::take_gaps;
 use crate::model::system::dependent::drop_implied;
@@ -46,6 +47,7 @@ pub(crate) fn driven<const D: usize>(
     systems.extend(of_rigid);
     rows.extend(rigid.into_iter().map(|part| part.rows));
     set_offsets(model, &mut conditions, time)?;
+    take_tension(model, &mut conditions, time)?;
     add_offsets(&mut systems, &conditions);
     let loaded = systems.into_par_iter().zip(rows);
     let mut bodies: Vec<LoadedBody<D>> = loaded.map(|(s, r)| LoadedBody::new(s, r)).collect();

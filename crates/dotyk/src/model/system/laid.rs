@@ -8,6 +8,7 @@ use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::member::{Bond, MemberEnd, MemberError, MemberWords};
 use crate::model::nouns::members::Member;
 use crate::model::nouns::model::Model;
+use crate::model::system::bolt::LaidCut;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -55,10 +56,16 @@ const LOOKS: usize = 500;
 const SHARED: usize = 4;
 
 impl<const D: usize> Member<D> {
-    /// Its two ends in a model.
+    /// Its two ends in a model; of a bolt the ends of a line through its cut.
     ///
     /// Errors: a side that has no place.
     pub fn places(&self, model: &Model<D>) -> Result<[Point<D>; 2], MemberError> {
+        if let Some(bolt) = self.kind.bolt() {
+            // so that it is seen
+            let cut = LaidCut::new(model, self, bolt)?;
+            let end = |sign: f64| add_scaled(cut.centre, sign * cut.radius, cut.along);
+            return Ok([end(-1.0), end(1.0)]);
+        }
         Ok([self.place(model, 0)?, self.place(model, 1)?])
     }
 
@@ -75,6 +82,19 @@ impl<const D: usize> Member<D> {
     pub(crate) fn lay(&self, model: &Model<D>) -> Result<LaidMember<D>, MemberError> {
         let (line, MemberWords { key, plural, .. }) = (&self.line, self.kind.words());
         self.kind.pull().check(line.bond)?;
+        if let Some(bolt) = self.kind.bolt() {
+            let cut = LaidCut::new(model, self, bolt)?;
+            let end = |end: usize| Anchor {
+                body: cut.sides[end].body.0,
+                nodes: cut.shares[end].clone(),
+                point: cut.centre,
+            };
+            return Ok(LaidMember {
+                anchors: vec![end(0), end(1)],
+                along: cut.along,
+                count: 1.0,
+            });
+        }
         for (number, value) in [("spacing", line.spacing), ("radius", line.radius)] {
             value.map_or(Ok(()), |value| MemberError::positive(number, value))?;
         }

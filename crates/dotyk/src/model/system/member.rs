@@ -12,15 +12,17 @@
 //! Members of a plane model count as many times as there are in its thickness.
 
 use crate::contact::{Coupling, Interface, InterfaceNode, Row, frame};
-use crate::geometry::{add_scaled, norm};
+use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::member::{MemberSolution, MemberStation};
 use crate::model::nouns::presence::Stage;
+use crate::model::nouns::solution::BodySolution;
 use crate::model::system::condition::{Condition, Elastic, Source, row_ranges};
 use crate::model::system::laid::{Anchor, LaidMember, lay_members};
 use crate::model::system::links::{axis, carrier, less, linked};
 use crate::model::system::parts::Owner;
+use std::collections::BTreeSet;
 
 /// Rows of the elements of a member on one body.
 fn rows_on<const D: usize>(laid: &LaidMember<D>, sign: f64, body: usize) -> Vec<Row<D>> {
@@ -108,13 +110,14 @@ pub(crate) fn pulling<const D: usize>(
     }
 }
 
-/// Forces of all members under forces `lambda` (m,).
+/// Forces of all members under forces `lambda` (m,) and the displacements of solved bodies.
 ///
 /// Errors: members that cannot be laid.
 pub(crate) fn member_solutions<const D: usize>(
     stage: &Stage<'_, D>,
     conditions: &[Condition<D>],
     lambda: &[f64],
+    bodies: &[BodySolution<D>],
 ) -> Result<Vec<MemberSolution<D>>, Error<D>> {
     let model = stage.model.as_ref();
     let laid = lay_members(model)?;
@@ -129,7 +132,18 @@ pub(crate) fn member_solutions<const D: usize>(
             false => 0.0 - force / laid.count,
         };
         let along = condition.forces(&lambda[rows]);
-        let along: Vec<f64> = along.into_iter().map(of_one).collect();
+        let along: Vec<f64> = match member.kind.bolt() {
+            Some(_) => vec![tension_of(condition, laid.along, &along)],
+            None => along.into_iter().map(of_one).collect(),
+        };
+        let mean = |anchor: &Anchor<D>| {
+            let nodes = anchor.nodes.iter();
+            let along =
+                nodes.map(|&(node, n)| n * dot(laid.along, bodies[anchor.body].displacement[node]));
+            along.sum::<f64>()
+        };
+        let shortening = member.kind.bolt();
+        let shortening = shortening.map(|_| mean(&laid.anchors[0]) - mean(&laid.anchors[1]));
         let stations = laid.elements().enumerate().map(|(element, [from, to])| {
             let middle = add_scaled(from.point.map(|c| 0.5 * c), 0.5, to.point);
             let own = along.get(element).copied();
@@ -150,7 +164,24 @@ pub(crate) fn member_solutions<const D: usize>(
             length: last,
             stations: stations.collect(),
             tightening: stage.tightening[place],
+            shortening,
         })
     });
     Ok(solved.collect())
+}
+
+/// The tension of a bolt along its axis: of the forces of its rows, and of those that tighten it.
+fn tension_of<const D: usize>(condition: &Condition<D>, along: Point<D>, forces: &[f64]) -> f64 {
+    let own = condition.nonmortar.body.0;
+    let behind: BTreeSet<usize> = condition.interface.nodes.iter().map(|n| n.node).collect();
+    let behind = |node: usize| behind.contains(&node);
+    let rows = condition.interface.nonmortar.iter().zip(forces);
+    let of_row = |(row, force): (&Row<D>, &f64)| {
+        let on_side = row.iter().filter(|(node, _)| behind(*node));
+        -force * on_side.map(|(_, c)| dot(*c, along)).sum::<f64>()
+    };
+    let steady = condition.steady.iter();
+    let steady = steady.filter(|(body, node, _)| *body == own && behind(*node));
+    let drawn: f64 = steady.map(|(.., force)| dot(*force, along)).sum();
+    rows.map(of_row).sum::<f64>() + drawn
 }

@@ -5,6 +5,7 @@ pub mod admissible;
 pub mod applied;
 pub mod bed;
 pub mod bodies;
+pub mod bolt;
 pub mod choose;
 pub mod compliance;
 pub mod condense;

@@ -20,7 +20,7 @@ pub(crate) enum Owner {
     Point(usize, usize),
     /// The elastic part of a bed that only presses: a body, and which of its springs.
     Bed(usize, usize),
-    /// The elastic part of a member.
+    /// A member, with the elastic part that all but bolts have.
     Member(usize),
 }
 
@@ -77,11 +77,11 @@ impl Parts {
         let owners = (0..model.bodies.len()).map(Owner::Body);
         let owners = owners.chain(obstacles.map(|(contact, _)| Owner::Obstacle(contact)));
         let owners = owners.chain(points).chain(beds);
-        Self(
-            owners
-                .chain((0..model.members.len()).map(Owner::Member))
-                .collect(),
-        )
+        // a bolt joins the two sides of a cut without a part between them
+        let members = model.members.iter().enumerate();
+        let members = members.filter(|(_, member)| member.kind.bolt().is_none());
+        let members = members.map(|(place, _)| Owner::Member(place));
+        Self(owners.chain(members).collect())
     }
 
     /// Each part with its owner.

@@ -23,6 +23,7 @@ use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::{Contact, Law, Model};
 use crate::model::nouns::presence::{Presence, Stage, places};
 use crate::model::nouns::solution::Solution;
+use crate::model::system::bolt::keep;
 use crate::model::system::condition::{Condition, Fit, Source, obstacle_motion, row_ranges};
 use crate::model::system::joints::Lost;
 use crate::model::system::parts::Owner;
@@ -363,6 +364,16 @@ impl<const D: usize> State<D> {
             if let Some(mortar) = &condition.mortar {
                 let [own, other] = [condition.nonmortar.body, mortar.body].map(|id| whole[id.0]);
                 condition.touch.fit = self.fit(&condition.name, own, other);
+            }
+            let bolt = condition
+                .source
+                .member()
+                .and_then(|of| model.members[of].kind.bolt());
+            if let Some(bolt) = bolt {
+                if let Some(birth) = self.births.get(&Thing::Member(condition.name.clone())) {
+                    keep(bolt, condition, |body| birth.moved[whole[body]].clone());
+                }
+                continue;
             }
             let birth = match condition.source {
                 Source::Of(Owner::Bed(of, place)) => self.spring(whole[of], place),

@@ -1,0 +1,349 @@
+//! Bolts as conditions: the two sides of a cut, with rows at each pair of nodes.
+//!
+//! With the jump j_i = u⁻_i − u⁺_i of a pair of nodes, the axis a, the tangents t and the shortening s,
+//!
+//! ```text
+//!   t·j_i = 0                                   always
+//!   a·j_i − s = 0                               kept or given s                     T = Σ λ_i
+//!   a·j_i − a·j_0 = 0   (i > 0),  ±T a/A on the sides                               while it is tightened by T
+//! ```
+//!
+//! the last two the same: s is the multiplier of T, and the rows share the traction T/A out as the jump asks for. A direction that
+//! supports hold at both nodes of a pair has no row.
+
+use crate::contact::{Coupling, Interface, InterfaceNode, frame};
+use crate::fem::{Constraints, side_points};
+use crate::geometry::{Point, add_scaled, distance, dot, norm, unit};
+use crate::model::nouns::error::Error;
+use crate::model::nouns::ids::SideRef;
+use crate::model::nouns::member::{MemberEnd, MemberError};
+use crate::model::nouns::members::{Bolt, Drawn, Member};
+use crate::model::nouns::model::Model;
+use crate::model::nouns::presence::Stage;
+use crate::model::system::condition::{Condition, Source};
+use crate::model::system::links::carrier;
+use crate::model::system::parts::Owner;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use std::collections::BTreeMap;
+
+/// Nodes of the two sides lie on each other within this part of a facet.
+const SAME: f64 = 1e-4;
+
+/// The least part of the normal of a cut along its axis.
+const LEAST_ALONG: f64 = 0.1;
+
+/// Directions are held if supports hold all of them but this part.
+const HELD: f64 = 1e-9;
+
+/// The cut of a bolt in its place.
+#[derive(Debug, Clone)]
+pub(crate) struct LaidCut<const D: usize> {
+    /// Its sides behind and ahead of the cut.
+    pub sides: [SideRef; 2],
+    /// Unit vector along the axis, outward from the side behind.
+    pub along: Point<D>,
+    /// Of the side behind.
+    pub centre: Point<D>,
+    /// Distance of its farthest node from there.
+    pub radius: f64,
+    /// Nodes of the two sides that lie on each other.
+    pub pairs: Vec<[usize; 2]>,
+    /// What nodes of either side bear of a uniform traction: 1 in all.
+    pub shares: [Vec<(usize, f64)>; 2],
+}
+
+impl<const D: usize> LaidCut<D> {
+    /// The cut of a member that is a bolt.
+    ///
+    /// Errors: ends that are not sides; a side that is unknown or has no area; sides that do not lie on each other node by node; an axis
+    /// along the cut.
+    pub fn new(model: &Model<D>, member: &Member<D>, bolt: &Bolt) -> Result<Self, MemberError> {
+        let side = |end: usize| match &member.line.ends[end] {
+            MemberEnd::Side(side) => Ok(side.clone()),
+            MemberEnd::Point(_) => {
+                let message = "a bolt ends at the two sides of a cut, not at points";
+                Err(MemberError::new(ENDS[end], message, "a point", ""))
+            }
+        };
+        let sides = [side(0)?, side(1)?];
+        let [behind, ahead] = [0, 1].map(|end| Face::new(model, &sides[end], end));
+        let (behind, ahead) = (behind?, ahead?);
+        let given = bolt.axis.map(|axis| std::array::from_fn(|d| axis[d]));
+        let through = given.or(Some(behind.normal)).and_then(unit);
+        let tilt = through.map_or(0.0, |axis| dot(axis, behind.normal));
+        let along = match through {
+            Some(axis) if tilt >= LEAST_ALONG => axis,
+            Some(axis) if tilt <= -LEAST_ALONG => axis.map(|c| -c),
+            _ => {
+                let message = "its axis runs along the cut, not through it";
+                return Err(MemberError::new("axis", message, "along the cut", ""));
+            }
+        };
+        let pairs = paired(model, &sides)?;
+        let points = model.bodies[sides[0].body.0].mesh.points();
+        let apart = pairs
+            .iter()
+            .map(|pair| distance(points[pair[0]], behind.centre));
+        Ok(Self {
+            along,
+            centre: behind.centre,
+            radius: apart.fold(0.0, f64::max),
+            pairs,
+            shares: [behind.shares, ahead.shares],
+            sides,
+        })
+    }
+
+    /// Pulls on the two sides, uniform tractions: body, node, force.
+    fn pulls(&self, tension: f64) -> Vec<(usize, usize, Point<D>)> {
+        let of_side = |(end, sign): (usize, f64)| {
+            let shares = self.shares[end].iter();
+            shares.map(move |&(node, share)| {
+                let force = self.along.map(|c| sign * tension * share * c);
+                (self.sides[end].body.0, node, force)
+            })
+        };
+        [(0, 1.0), (1, -1.0)]
+            .into_iter()
+            .flat_map(of_side)
+            .collect()
+    }
+}
+
+/// A side of a cut as a whole.
+struct Face<const D: usize> {
+    centre: Point<D>,
+    /// Mean outward normal, a unit vector where the side is plane.
+    normal: Point<D>,
+    shares: Vec<(usize, f64)>,
+}
+
+impl<const D: usize> Face<D> {
+    fn new(model: &Model<D>, side: &SideRef, end: usize) -> Result<Self, MemberError> {
+        let body = &model.bodies[side.body.0];
+        let fail = || {
+            let message = format!("its side \"{}\" is unknown, or has no area", side.side);
+            MemberError::new(ENDS[end], message, "no side to pull at", "")
+        };
+        let (mut area, mut centre, mut normal) = (0.0, [0.0; D], [0.0; D]);
+        let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
+        for place in side_points(body, &side.side, model.analysis).map_err(|_| fail())? {
+            area += place.area;
+            centre = add_scaled(centre, place.area, place.point);
+            normal = add_scaled(normal, place.area, place.normal);
+            for (node, n) in body.mesh.facet_nodes(place.facet).zip(place.shape) {
+                *sums.entry(node as usize).or_insert(0.0) += place.area * n;
+            }
+        }
+        if area <= 0.0 {
+            return Err(fail());
+        }
+        Ok(Self {
+            centre: centre.map(|c| c / area),
+            normal: normal.map(|c| c / area),
+            shares: sums.into_iter().map(|(node, n)| (node, n / area)).collect(),
+        })
+    }
+}
+
+/// The nodes of two sides, in pairs that lie on each other.
+///
+/// Errors: a node of one side that has no partner on the other.
+fn paired<const D: usize>(
+    model: &Model<D>,
+    sides: &[SideRef; 2],
+) -> Result<Vec<[usize; 2]>, MemberError> {
+    let [own, other] = [0, 1].map(|end| {
+        let mesh = &model.bodies[sides[end].body.0].mesh;
+        let nodes = mesh.side_nodes(&sides[end].side).unwrap_or_default();
+        let placed = nodes.into_iter().map(|node| {
+            let node = node as usize;
+            GeomWithData::new(mesh.points()[node], node)
+        });
+        placed.collect::<Vec<_>>()
+    });
+    let mesh = &model.bodies[sides[0].body.0].mesh;
+    let facets = mesh.side(&sides[0].side).unwrap_or_default().iter();
+    let largest = facets.fold(0.0, |most: f64, facet| most.max(mesh.facet_length(*facet)));
+    let apart = |point: &Point<D>| {
+        let at = point.map(|c| c.to_string()).join(", ");
+        let message = format!(
+            "its two sides are not those of a cut: the node at ({at}) of one has no partner on the other"
+        );
+        let help = "cut a body by `body` and `at`, or mesh both sides with the same facets";
+        MemberError::new("to", message, "other nodes", help)
+    };
+    let tree = RTree::bulk_load(other.clone());
+    let partner = |node: &GeomWithData<Point<D>, usize>| {
+        let near = tree.nearest_neighbor(*node.geom());
+        let near = near.filter(|near| distance(*near.geom(), *node.geom()) <= SAME * largest);
+        let near = near.ok_or_else(|| apart(node.geom()))?;
+        Ok([node.data, near.data])
+    };
+    let pairs = own.iter().map(partner).collect::<Result<Vec<_>, _>>()?;
+    let mut met: Vec<usize> = pairs.iter().map(|pair| pair[1]).collect();
+    met.sort_unstable();
+    met.dedup();
+    let unmet = other
+        .iter()
+        .find(|node| met.binary_search(&node.data).is_err());
+    match unmet.filter(|_| met.len() != other.len()) {
+        Some(node) => Err(apart(node.geom())),
+        None if met.len() != pairs.len() => Err(apart(own[0].geom())),
+        None => Ok(pairs),
+    }
+}
+
+/// The condition of a bolt by its place in the model, at a time.
+///
+/// Errors: a cut that cannot be laid; a prestress or shortening that is not finite.
+pub(crate) fn drawn_together<const D: usize>(
+    stage: &Stage<'_, D>,
+    constraints: &[&Constraints<D>],
+    (place, bolt): (usize, &Bolt),
+    time: f64,
+) -> Result<Condition<D>, Error<D>> {
+    let member = &stage.model.members[place];
+    let refused = |source| refused(member, source);
+    let laid = LaidCut::new(&stage.model, member, bolt).map_err(refused)?;
+    let drawn = bolt.drawn(stage.tightening[place], time).map_err(refused)?;
+    let bodies = laid.sides.each_ref().map(|side| side.body.0);
+    let mut interface = Interface::empty(Coupling::Tied);
+    let mut held_rows = Vec::new();
+    for (k, &[own, other]) in laid.pairs.iter().enumerate() {
+        let held = [
+            constraints[bodies[0]].at(own),
+            constraints[bodies[1]].at(other),
+        ];
+        let directions: Vec<Point<D>> = held[0].iter().map(|held| held.axis).collect();
+        let axes = frame(laid.along, &directions);
+        let mut rows = [None; D];
+        for (i, &axis) in axes.iter().enumerate() {
+            // while it is tightened the first pair moves along the axis as it will, and the others with it
+            if matches!((drawn, i, k), (Drawn::Force(_), 0, 0)) {
+                continue;
+            }
+            let row = interface.nonmortar.len();
+            rows[i] = Some(row);
+            let [mut behind, mut beyond] = [vec![(own, axis)], vec![(other, axis.map(|c| -c))]];
+            if let (Drawn::Force(_), 0) = (drawn, i) {
+                behind.push((laid.pairs[0][0], axis.map(|c| -c)));
+                beyond.push((laid.pairs[0][1], axis));
+            }
+            if bodies[0] == bodies[1] {
+                behind.append(&mut beyond);
+            }
+            interface.nonmortar.push(behind);
+            interface.mortar.push(beyond);
+            if held
+                .iter()
+                .all(|held| holds(held.iter().map(|held| held.axis), axis))
+            {
+                held_rows.push(row);
+            }
+        }
+        interface.nodes.push(InterfaceNode {
+            node: own,
+            opposite: vec![(other, 1.0)],
+            frame: axes,
+            rows,
+            ..carrier(0)
+        });
+    }
+    interface.drop_rows(&held_rows);
+    let source = Source::Of(Owner::Member(place));
+    let [behind, ahead] = laid.sides.clone();
+    let apart = bodies[0] != bodies[1];
+    let mut condition = Condition {
+        mortar: apart.then_some(ahead),
+        opposite: apart.then_some(bodies[1]),
+        ..Condition::new(source, member.name.clone(), behind, interface)
+    };
+    draw(&mut condition, &laid, drawn);
+    Ok(condition)
+}
+
+/// Whether unit vectors at right angles to each other span a direction.
+fn holds<const D: usize>(held: impl Iterator<Item = Point<D>>, direction: Point<D>) -> bool {
+    let rest = held.fold(direction, |rest, axis| {
+        add_scaled(rest, -dot(direction, axis), axis)
+    });
+    norm(rest) <= HELD
+}
+
+/// Sets what acts on the sides of a cut.
+fn draw<const D: usize>(condition: &mut Condition<D>, laid: &LaidCut<D>, drawn: Drawn) {
+    if let Drawn::Force(tension) = drawn {
+        condition.steady = laid.pulls(tension);
+    }
+    if let Drawn::Length(length) = drawn {
+        condition
+            .interface
+            .nodes
+            .iter_mut()
+            .for_each(|node| node.gap = length);
+    }
+}
+
+/// Keeps the shortening that a bolt has at displacements `moved` of its one or two bodies, if it is neither tightened nor given one.
+pub(crate) fn keep<const D: usize>(
+    bolt: &Bolt,
+    condition: &mut Condition<D>,
+    moved: impl Fn(usize) -> Option<std::sync::Arc<[Point<D>]>>,
+) {
+    if !condition.steady.is_empty() || bolt.shortening.is_some() {
+        return;
+    }
+    let mut nodes = condition.interface.nodes.iter();
+    let Some(row) = nodes.find_map(|node| node.rows[0]) else {
+        return;
+    };
+    let mut length = 0.0;
+    for (body, rows) in condition.ends() {
+        let Some(u) = moved(body) else { return };
+        length += rows[row]
+            .iter()
+            .map(|&(node, c)| dot(c, u[node]))
+            .sum::<f64>();
+    }
+    condition
+        .interface
+        .nodes
+        .iter_mut()
+        .for_each(|node| node.gap = length);
+}
+
+/// Sets prestress and shortening of the bolts among the conditions of a model to another time.
+///
+/// Errors: values that are not finite.
+pub(crate) fn take_tension<const D: usize>(
+    model: &Model<D>,
+    conditions: &mut [Condition<D>],
+    time: f64,
+) -> Result<(), Error<D>> {
+    for condition in conditions {
+        let member = condition.source.member().map(|place| &model.members[place]);
+        let Some((member, bolt)) = member.and_then(|m| Some((m, m.kind.bolt()?))) else {
+            continue;
+        };
+        let refused = |source| refused(member, source);
+        let drawn = bolt
+            .drawn(!condition.steady.is_empty(), time)
+            .map_err(refused)?;
+        let laid = LaidCut::new(model, member, bolt).map_err(refused)?;
+        draw(condition, &laid, drawn);
+    }
+    Ok(())
+}
+
+fn refused<const D: usize>(member: &Member<D>, source: MemberError) -> Error<D> {
+    Error::Member {
+        kind: member.kind.words(),
+        name: member.name.clone(),
+        source,
+    }
+}
+
+/// The keys of the ends.
+const ENDS: [&str; 2] = ["from", "to"];
