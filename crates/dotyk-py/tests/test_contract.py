@@ -436,7 +436,15 @@ def test_pictures_and_tables_come_from_friends():
     pytest.importorskip("matplotlib").use("Agg")
     s = punch().solve()
     assert len(s.plot().axes) >= 3
-    assert len(column({"pressure": 1.0}, "3d").solve().plot().axes) >= 1
+    solution = column({"pressure": 1.0}, "3d").solve()
+    figure = solution.plot(scale=0.0)
+    # bodies, pressure and gap of the contact, each with its colours
+    assert len(figure.axes) == 6
+    # all bodies in one picture, within its limits
+    points = np.vstack([body.points for body in solution.bodies.values()])
+    for k, limits in enumerate([figure.axes[0].get_xlim(), figure.axes[0].get_ylim(), figure.axes[0].get_zlim()]):
+        assert limits[0] <= points[:, k].min() and points[:, k].max() <= limits[1]
+    assert len(figure.axes[0].collections) == 1
     table = s.contacts["sole"].to_pandas()
     assert np.allclose(table["pressure"], s.contacts["sole"].pressure) and set(table["step"]) == {1}
 

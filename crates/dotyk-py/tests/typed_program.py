@@ -26,13 +26,16 @@ def program() -> None:
     m.bar("b", from_=[0, 0], to=[1, 1], young=1.0, area=1.0, yield_=3.0)
     m.bar("b", **{"from": [0, 0], "to": [1, 1], "young": 1.0, "area": 1.0, "yield": 3.0})  # type: ignore[arg-type]
     m.spring("k", from_=[0, 0], to=[1, 1], bodies=["rock"], stiffness=1.0, acts="compression", gap=0.1)
+    m.bolt("m20", body="rock", at=[0, 1], axis=[0, 1], prestress="40e3*t", tightened={"until": 2.0})
     m.section("s", body="rock", sides=["a", "b"], stations=8).probe("p", "rock.stress.xx", at=[0, 1]).step(0.5, name="a")
     s = m.solve(steps=[0.5, 1.0], method="newton", tolerance=1e-8, max_iterations=None, threads=None, callback=None)
     ok: bool = s.converged
     v: float = s.certificate["penetration"].relative
     u: Points = s.bodies["rock"].displacement
     p: Points = s.contacts["gamma"].pressure
-    x = s.probe("rock.stress.xx", at=[0, 1])
+    x: float = s.probe("rock.stress.xx", at=[0, 1])
+    most: float = s.probe("rock.stress.xx", along="rock.top", reduce="max")
+    line: Points = s.probe("rock.stress.xx", along="rock.top").values
     y: float = s.probes["name"]
     t: float = s.steps[0].time
     s.contacts["gamma"].to_pandas(); s.bodies["rock"].to_meshio(); s.to_pyvista(); s.plot(); s.report("report.html"); s.write("out"); s.write(Path("o"))
@@ -43,6 +46,9 @@ def program() -> None:
     def my_solver(dual: dotyk.Problem) -> tuple[Points, Points]:
         return np.zeros(len(dual.d)), np.zeros(len(dual.e))
     m.solve(method=my_solver)
+    def of_dual(dual: dotyk.Dual) -> tuple[Points, Points]:
+        return np.zeros(len(dual.d)), np.zeros(len(dual.e))
+    m.solve(method=of_dual)
     r = dotyk.check("case.toml"); m = dotyk.Model.from_case("case.toml")
     print(r.errors, r.warnings, r.bodies["rock"].floating)
     st = dotyk.study("case.toml", vary={"E": np.linspace(0, 1, 3), "q": [1.0]})
@@ -53,9 +59,8 @@ def program() -> None:
     try:
         m.solve()
     except dotyk.NotConverged as e:
-        if e.solution is not None:
-            print(e.solution.contacts, e.solution.failed_step)
-    print(s.bodies["rock"].reaction, s.contacts["g"].resultant, s.sections["s"], s.bars["b"].force, s.springs["k"].force, s.units, s.warnings[0], s.seconds["total"])
+        print(e.solution.contacts, e.solution.failed_step)
+    print(s.bodies["rock"].reaction, s.contacts["g"].resultant, s.sections["s"], s.bars["b"].force, s.springs["k"].force, s.bolts["m20"].shortening, s.units, s.warnings[0], s.seconds["total"])
     small = dotyk.examples.punch().solve()
     mesh = dotyk.rectangle([0, 0], [4, 1], cells=[80, 20]); dotyk.ring(1, 2, cells=[3, 4]); dotyk.extrude(mesh, height=1, layers=2)
     dotyk.rectangle(from_=[0, 0], to=[1, 1], cells=(1, 1)); dotyk.outline(size=1.0, from_=[0, 0], edges=[])

@@ -56,7 +56,8 @@ class ArgumentError(InputError, TypeError):
 class NotConverged(Error, RuntimeError):
     """No answer with a certificate.
 
-    ``solution`` is the last iterate, complete but for ``converged``; ``None`` where a solver of the dual problem gave none.
+    ``solution`` is the last iterate of a model, complete but for ``converged``. Only a solver of the dual problem
+    (:meth:`Dual.solve`) gives none, ``None``.
 
     >>> import dotyk.examples
     >>> m = dotyk.examples.press_fit()
@@ -68,9 +69,9 @@ class NotConverged(Error, RuntimeError):
     False
     """
 
-    solution: Solution | None
+    solution: Solution
 
-    def __init__(self, message: str, solution: Solution | None = None) -> None:
+    def __init__(self, message: str, solution: Any = None) -> None:
         super().__init__(message)
         self.solution = solution
 

@@ -35,7 +35,8 @@ if TYPE_CHECKING:
     Vector = Sequence[Number] | npt.NDArray[Any] | Callable[..., Any]
     Place = Sequence[float] | npt.NDArray[Any]
     Table = Mapping[str, Any]
-    Solver = Callable[[Problem], tuple[Any, Any]]
+    # of a Problem; Any, so that a function of a Dual, which is one, may stand here
+    Solver = Callable[[Any], tuple[Any, Any]]
 
 #: Parts whose names no other part may have.
 _PARTS = ("body", "contact", "section", *(key for key, *_ in _dotyk.members()))
@@ -693,7 +694,10 @@ class Model:
             if isinstance(steps, (str, Mapping)) or not hasattr(steps, "__iter__"):
                 raise ArgumentError("`steps` is a list of times, of pairs (name, time) or of tables")
             unmasked(steps, "`steps`")
-            document = {**document, "step": [_step(step) for step in steps]}
+            listed = [_step(step) for step in steps]
+            if not listed:
+                raise InputError("`steps` is an empty list: leave it out for the steps of the model, or for one at t = 1")
+            document = {**document, "step": listed}
         solver = dict(self._solver)
         if bolt is not None:
             solver |= {"method": method if isinstance(method, str) else solver.get("method"), "bolt": taken(bolt)}

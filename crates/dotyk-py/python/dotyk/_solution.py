@@ -9,7 +9,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping
 from html import escape
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, overload
 
 from dotyk import _dotyk
 from dotyk._errors import InputError, UnknownName
@@ -758,6 +758,42 @@ class Solution(_Frozen):
             object.__setattr__(body, "_solution", self)
 
     @keywords
+    @overload
+    def probe(
+        self,
+        quantity: str,
+        at: Any = None,
+        along: None = None,
+        reduce: str | None = None,
+        mean_of_neighbours: bool | None = None,
+        minus_rigid: str | None = None,
+        center: Any = None,
+    ) -> float: ...
+
+    @overload
+    def probe(
+        self,
+        quantity: str,
+        at: None = None,
+        *,
+        along: Any,
+        reduce: str,
+        minus_rigid: str | None = None,
+        center: Any = None,
+    ) -> float: ...
+
+    @overload
+    def probe(
+        self,
+        quantity: str,
+        at: None = None,
+        *,
+        along: Any,
+        reduce: None = None,
+        minus_rigid: str | None = None,
+        center: Any = None,
+    ) -> Line: ...
+
     def probe(
         self,
         quantity: str,
