@@ -171,7 +171,7 @@ pub(crate) struct Deck {
     pub ties: Vec<Tie>,
     pub couplings: Vec<Coupling>,
     pub pretensions: Vec<PreTension>,
-    /// What the elements ahead of pre-tension sections have instead of the nodes there.
+    /// What the elements of surfaces of pre-tension sections have instead of the nodes there.
     pub copies: BTreeMap<Index, Index>,
     /// Nodes that equations make one, the second of each stands for nothing any more.
     pub same: Vec<[Index; 2]>,

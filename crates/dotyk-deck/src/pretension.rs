@@ -1,4 +1,4 @@
-//! Pre-tension sections: the elements behind and ahead of a surface get nodes of their own there, and a bolt draws the two sides together.
+//! Pre-tension sections: the elements of a surface get nodes of their own there, and a bolt draws the two sides together.
 //!
 //! The node of a section has one degree of freedom, the shortening: a force on it is the tension of the bolt, a value that of the
 //! shortening, and what is held where it is (FIXED) is locked.
@@ -102,7 +102,7 @@ impl Deck {
         Ok(())
     }
 
-    /// Gives the elements ahead of some faces nodes of their own there; returns their faces.
+    /// Gives the elements of some faces nodes of their own there, as CalculiX does; returns the faces of those ahead of them.
     fn cut_apart(&mut self, card: &Card, faces: &[Face]) -> Result<Vec<Face>, Fault> {
         let cut: BTreeSet<Index> = faces
             .iter()
@@ -143,7 +143,7 @@ impl Deck {
                 next.entry(pair[1].0).or_default().push(pair[0].0);
             }
         }
-        let mut moved: BTreeSet<Index> = ahead.iter().map(|face| face.0).collect();
+        let mut moved: BTreeSet<Index> = faces.iter().map(|face| face.0).collect();
         let mut open: Vec<Index> = moved.iter().copied().collect();
         while let Some(element) = open.pop() {
             for &other in next.get(&element).into_iter().flatten() {
@@ -152,7 +152,7 @@ impl Deck {
                 }
             }
         }
-        if let Some(face) = faces.iter().find(|face| moved.contains(&face.0)) {
+        if let Some(face) = ahead.iter().find(|face| moved.contains(&face.0)) {
             let number = self.elements[face.0 as usize].number;
             return Err(card.fault(format!(
                 "the surface does not cut the body through: it ends within it, near element {number}"
