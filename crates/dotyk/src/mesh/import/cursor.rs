@@ -215,7 +215,12 @@ impl<'b> Cursor<'b> {
         Err(self.malformed(start, format!("{what} must be finite, found {value}")))
     }
 
-    /// A quoted name.
+    /// Whether a quotation mark follows.
+    pub fn before_quote(&mut self) -> bool {
+        self.skip_space() && self.bytes[self.at] == b'"'
+    }
+
+    /// A quoted name; other programs write words of their own behind it, which are skipped.
     pub fn quoted(&mut self) -> Result<String, ImportError> {
         let what = "a name in quotation marks";
         if !self.skip_space() {
@@ -223,8 +228,8 @@ impl<'b> Cursor<'b> {
         }
         let start = self.at;
         let line = self.line();
-        let inner = line.strip_prefix('"').and_then(|l| l.strip_suffix('"'));
-        inner.map(str::to_string).ok_or_else(|| {
+        let inner = line.strip_prefix('"').and_then(|l| l.rsplit_once('"'));
+        inner.map(|(name, _)| name.to_string()).ok_or_else(|| {
             let message = format!("expected {what}, found `{line}`");
             self.malformed(start, message)
         })
@@ -232,7 +237,7 @@ impl<'b> Cursor<'b> {
 
     /// Moves past the line `$End...` of the section whose data end here.
     pub fn end_section(&mut self, name: &str) -> Result<(), ImportError> {
-        let end = format!("$End{name}");
+        let end = end_of(name);
         if !self.skip_space() {
             return Err(self.truncated(&format!("`{end}`")));
         }
@@ -247,7 +252,7 @@ impl<'b> Cursor<'b> {
 
     /// Moves past the line `$End...` of a section whose data are not read.
     pub fn skip_section(&mut self, name: &str) -> Result<(), ImportError> {
-        let end = format!("\n$End{name}");
+        let end = format!("\n{}", end_of(name));
         // The section may be empty: its end may follow its header at once.
         let from = self.at.saturating_sub(1);
         let found = self.bytes[from..]
@@ -260,4 +265,10 @@ impl<'b> Cursor<'b> {
         self.line();
         Ok(())
     }
+}
+
+/// The line that ends a section: version 1 of Gmsh's format, whose sections have names of capitals, has its own.
+fn end_of(name: &str) -> String {
+    let old = name.chars().all(|c| c.is_ascii_uppercase());
+    format!("${}{name}", if old { "END" } else { "End" })
 }
