@@ -105,13 +105,14 @@ impl<'b> Cursor<'b> {
         String::from_utf8_lossy(line).trim().to_string()
     }
 
-    /// The next word of a text.
+    /// The next word of a text; a quotation mark begins another one.
     fn word(&mut self, what: &str) -> Result<&'b [u8], ImportError> {
         if !self.skip_space() {
             return Err(self.truncated(what));
         }
         let rest = &self.bytes[self.at..];
-        let end = rest.iter().position(u8::is_ascii_whitespace);
+        let ends = |byte: &u8| byte.is_ascii_whitespace() || *byte == b'"';
+        let end = rest.iter().skip(1).position(ends).map(|end| end + 1);
         let word = &rest[..end.unwrap_or(rest.len())];
         self.at += word.len();
         Ok(word)
