@@ -3,7 +3,7 @@
 use crate::errors;
 use crate::worker::{Caller, wait};
 use dotyk::case::{Given, GivenMesh, read_mesh};
-use dotyk::mesh::{CellBlock, CellKind, Facet, Mesh as Core, drop_repeated};
+use dotyk::mesh::{CellBlock, CellKind, Facet, FacetTable, Mesh as Core, drop_repeated};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,9 +59,11 @@ impl Mesh {
     /// A mesh from points (n, 2 or 3), blocks of cells (kind, group, nodes (m, k)) and sides by name: nodes of facets (f, k).
     ///
     /// With `boundary` the whole boundary is a side of that name, unless a given one has it. A set of nodes is a side where
-    /// it covers facets of the boundary that no side of its name has, else its nodes are points of its name.
+    /// it covers facets of the boundary and no side has its name, else its nodes are points of its name. A mesh of another
+    /// program comes with `notes` about it: of its sides only the facets on the boundary are kept.
     #[staticmethod]
-    #[pyo3(signature = (points, blocks, sides, named, boundary=false, sets=Vec::new()))]
+    #[pyo3(signature = (points, blocks, sides, named, boundary=false, sets=Vec::new(), notes=None))]
+    #[expect(clippy::too_many_arguments)]
     fn of_arrays(
         py: Python<'_>,
         points: PyReadonlyArray2<'_, f64>,
@@ -70,6 +72,7 @@ impl Mesh {
         named: BTreeMap<String, Vec<Vec<f64>>>,
         boundary: bool,
         sets: Vec<(String, Vec<u32>)>,
+        notes: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let dimension = points.as_array().ncols();
         let blocks = blocks
@@ -83,8 +86,11 @@ impl Mesh {
         let sides = sides.collect::<PyResult<Vec<_>>>()?;
         let told = format!("{repeated} repeated cells are left out");
         let mut warnings: Vec<String> = (repeated > 0).then_some(told).into_iter().collect();
+        let strict = notes.is_none();
+        warnings.extend(notes.unwrap_or_default());
         let parts = Parts {
             sides,
+            strict,
             named,
             boundary,
             sets,
@@ -270,6 +276,8 @@ fn facets(
 struct Parts {
     /// Corners of the facets of each.
     sides: Vec<(String, Vec<Vec<u32>>)>,
+    /// Every facet of a side must be there.
+    strict: bool,
     named: BTreeMap<String, Vec<Vec<f64>>>,
     boundary: bool,
     /// Nodes of each.
@@ -294,16 +302,22 @@ fn made<const D: usize>(
     let points: Vec<[f64; D]> = rows.map(|row| std::array::from_fn(|d| row[d])).collect();
     let refused = |error: dotyk::mesh::MeshError| errors::input(py, error);
     let mesh = Core::new(points, blocks).map_err(refused)?;
-    let mut found = BTreeMap::new();
+    let table = (!parts.strict).then(|| mesh.facet_table());
+    let mut found: BTreeMap<String, Vec<Facet>> = BTreeMap::new();
     for (name, corners) in parts.sides {
-        let facets = mesh.facets_at(&corners).map_err(|k| {
-            let message = format!(
-                "side `{name}`: no cell has the facet {k} with the corners {:?}",
-                corners[k]
-            );
-            errors::input(py, message)
-        })?;
-        found.entry(name).or_insert_with(Vec::new).extend(facets);
+        let facets = match &table {
+            Some(table) => outer(table, &corners, &name, warnings),
+            None => mesh.facets_at(&corners).map_err(|k| {
+                let message = format!(
+                    "side `{name}`: no cell has the facet {k} with the corners {:?}",
+                    corners[k]
+                );
+                errors::input(py, message)
+            })?,
+        };
+        if !facets.is_empty() || parts.strict {
+            found.entry(name).or_default().extend(facets);
+        }
     }
     let mut named = places(&parts.named);
     let boundary = match parts.boundary || !parts.sets.is_empty() {
@@ -325,6 +339,32 @@ fn made<const D: usize>(
         found.entry(BOUNDARY.to_string()).or_insert(boundary);
     }
     Ok((mesh.with_sides(found).map_err(refused)?, named))
+}
+
+/// The facets with these corners that are on the boundary, and warnings of the others.
+fn outer(
+    table: &FacetTable,
+    corners: &[Vec<u32>],
+    name: &str,
+    warnings: &mut Vec<String>,
+) -> Vec<Facet> {
+    let (mut facets, mut inside, mut missing) = (Vec::new(), 0, 0);
+    for corners in corners {
+        let cells: Vec<Facet> = table.find(corners).collect();
+        match cells[..] {
+            [facet] => facets.push(facet),
+            [] => missing += 1,
+            _ => inside += 1,
+        }
+    }
+    for (count, place) in [(inside, "lie inside the body"), (missing, "are of no cell")] {
+        if count > 0 {
+            warnings.push(format!(
+                "{count} facets of the group `{name}` {place} and are left out: sides are on the boundary"
+            ));
+        }
+    }
+    facets
 }
 
 /// The facets whose nodes are all in a set; where there are none, those whose corners are.
