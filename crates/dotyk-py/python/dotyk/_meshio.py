@@ -194,9 +194,10 @@ def _refuse_unknown(mesh: Any, sets: Mapping[str, list[Any]], dimension: int) ->
             counts[block.type] = counts.get(block.type, 0) + named
     told = ", ".join(f"{count} `{kind}`" for kind, count in counts.items() if count)
     if told:
+        tied = "; of a body with pyramids make two, of its tetrahedra and its hexahedra, tied by a contact"
         raise InputError(
             f"the mesh of meshio has cells of kinds that are not supported: {told}; divide them or leave them out "
-            f"(supported: {', '.join(known)}, and as facets {', '.join(facets)})"
+            f"(supported: {', '.join(known)}, and as facets {', '.join(facets)}){tied if 'pyramid' in told else ''}"
         )
 
 
