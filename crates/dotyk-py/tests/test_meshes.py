@@ -73,7 +73,7 @@ def test_sets_of_abaqus_are_groups_sides_and_points(tmp_path):
     assert area(sand) == pytest.approx(1.0) and len(sand.points) == 4
     # the nodes of the floor that the body has
     assert sand.sides["floor"].tolist() == [[0, 1]]
-    with pytest.raises(dotyk.InputError, match="no group of cells `rock`; it has Eall, sand, clay"):
+    with pytest.raises(dotyk.InputError, match="no group of cells `rock`; it has sand, clay, Eall"):
         dotyk.read(tmp_path / "layers.inp", group="rock")
 
 

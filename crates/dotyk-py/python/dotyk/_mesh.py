@@ -200,21 +200,21 @@ class Mesh:
         """
         import numpy as np
 
-        meshio = friend("meshio", "to_meshio()")
-        from dotyk._meshio import block_of
+        from dotyk._meshio import library
 
-        cells: list[Any] = []
+        meshio = library("to_meshio()")
+        cells: list[tuple[str, Any]] = []
         groups: dict[str, list[int]] = {}
         for kind, group, nodes in self._native.blocks():
             if group is not None:
                 groups.setdefault(group, []).append(len(cells))
-            cells.append(block_of(_MESHIO[kind], nodes))
+            cells.append((_MESHIO[kind], nodes))
         sides: dict[str, list[int]] = {}
         for name, nodes in self._native.sides():
             sides.setdefault(name, []).append(len(cells))
-            cells.append(block_of(_FACETS[self.dimension][nodes.shape[1]], nodes))
+            cells.append((_FACETS[self.dimension][nodes.shape[1]], nodes))
         sets = {
-            name: [np.arange(len(block)) if k in places else np.array([], int) for k, block in enumerate(cells)]
+            name: [np.arange(len(nodes)) if k in places else np.array([], int) for k, (_, nodes) in enumerate(cells)]
             for name, places in (groups | sides).items()
         }
         points = self._native.points()

@@ -23,7 +23,7 @@ _CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3, "quad": 4, "qu
 
 def of_file(path: str, group: str | Sequence[str] | None, space: bool | None) -> Mesh:
     """A mesh of any file that meshio reads."""
-    meshio = friend("meshio", f"a mesh file that is neither of Gmsh nor VTU ({path})")
+    meshio = library(f"a mesh file that is neither of Gmsh nor VTU ({path})")
     told = io.StringIO()
     try:
         # what it prints about a file is the reason that it cannot be read
@@ -73,7 +73,8 @@ def of_meshio(mesh: Any, group: str | Sequence[str] | None = None, space: bool |
                 if len(kept):
                     facets.append((name, np.ascontiguousarray(kept)))
                 if group is None and len(kept) < len(own):
-                    notes.append(f"{len(own) - len(kept)} facets of the group `{name}` belong to no cell and are left out")
+                    off = len(own) - len(kept)
+                    notes.append(f"{off} facets of the group `{name}` belong to no cell and are left out")
     nodes_of = {name: number[nodes] for name, nodes in _named(_node_sets(mesh, sets, blocks), notes).items()}
     held = {name: np.unique(nodes[nodes >= 0]) for name, nodes in nodes_of.items()}
     own_sets = [(name, nodes.tolist()) for name, nodes in held.items() if 0 < len(nodes) < len(used)]
@@ -82,15 +83,11 @@ def of_meshio(mesh: Any, group: str | Sequence[str] | None = None, space: bool |
     return Mesh._of(_dotyk.Mesh.of_arrays(places, body, facets, {}, True, own_sets, notes))
 
 
-def block_of(kind: str, nodes: Any) -> Any:
-    """A block of cells for meshio, whose list of dimensions has no wedges of 15 nodes."""
-    meshio = friend("meshio", "to_meshio()")
-    try:
-        return meshio.CellBlock(kind, nodes)
-    except KeyError:
-        block = meshio.CellBlock("wedge", nodes)
-        block.type = kind
-        return block
+def library(what: str) -> Any:
+    """meshio; its table of dimensions has all kinds but the wedge of 15 nodes, of which it could make no mesh."""
+    meshio = friend("meshio", what)
+    getattr(friend("meshio._mesh", what), "topological_dimension", {}).setdefault("wedge15", 3)
+    return meshio
 
 
 def _wanted(mesh: Any, space: bool | None) -> int:
