@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -17,6 +18,13 @@ from dotyk._words import friend, unmasked
 _NUMBERS = (
     "medit:ref", "nastran:ref", "netgen:index", "su2:tag", "tetgen:ref", "ugrid:ref", "avsucd:material",
 )  # fmt: skip
+#: Place of each node in files of Exodus, which meshio reads as they are: the edges between bottom and top come before those
+#: of the top, and the middle of the cell before those of its faces.
+_EXODUS = {
+    "hexahedron20": [*range(12), *range(16, 20), *range(12, 16)],
+    "hexahedron27": [*range(12), *range(16, 20), *range(12, 16), 23, 24, 25, 26, 21, 22, 20],
+    "wedge15": [*range(9), *range(12, 15), *range(9, 12)],
+}
 #: Corners of facets.
 _CORNERS = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 
@@ -32,6 +40,10 @@ def of_file(path: str, group: str | Sequence[str] | None, space: bool | None) ->
     except (Exception, SystemExit) as error:
         why = " ".join(told.getvalue().split()) or str(error) or type(error).__name__
         raise InputError(f"{path}: meshio cannot read the file: {why}") from None
+    if os.path.splitext(path)[1].lower() in (".e", ".exo", ".ex2"):
+        for block in mesh.cells:
+            if block.type in _EXODUS:
+                block.data = block.data[:, _EXODUS[block.type]]
     try:
         return of_meshio(mesh, group, space)
     except InputError as error:
@@ -226,6 +238,9 @@ def _members(own: Any, count: int, name: str) -> Any:
     """Numbers of cells or nodes, which may be given as a mask."""
     import numpy as np
 
+    if np.ma.isMaskedArray(own) and not np.ma.is_masked(own):
+        # files of Exodus come with masks that hide nothing
+        own = own.data
     array = np.asarray(unmasked(own, f"the set `{name}` of meshio"))
     if array.dtype == bool:
         array = np.flatnonzero(array)

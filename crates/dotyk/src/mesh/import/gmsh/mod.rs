@@ -176,10 +176,11 @@ impl Reader<'_> {
 
     /// Names without a dimension are those of the groups of every dimension that has such a tag.
     fn spread_names(&mut self) {
+        let own = self.content.dimension;
+        let used = [0, own - 1, own].map(|dimension| (dimension, self.content.used(dimension)));
         for (tag, name) in std::mem::take(&mut self.names) {
-            let own = self.content.dimension;
-            let has = |dimension: &u8| self.content.used(*dimension).contains(&tag);
-            let mut dimensions: Vec<u8> = [0, own - 1, own].into_iter().filter(has).collect();
+            let has = used.iter().filter(|(_, tags)| tags.contains(&tag));
+            let mut dimensions: Vec<u8> = has.map(|(dimension, _)| *dimension).collect();
             if dimensions.is_empty() {
                 dimensions.push(own);
             }

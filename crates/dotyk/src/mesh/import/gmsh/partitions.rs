@@ -38,3 +38,42 @@ impl Partitions {
         Some((last, told))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(announced: u64, seen: &[i64]) -> Option<(u64, String)> {
+        let partitions = Partitions {
+            announced,
+            entities: BTreeMap::new(),
+            seen: seen.iter().copied().collect(),
+        };
+        partitions.missing()
+    }
+
+    #[test]
+    fn partitions_without_cells_are_named() {
+        assert_eq!(of(0, &[]), None);
+        assert_eq!(of(3, &[1, 2, 3]), None);
+        // a file of another dimension than that of the bodies
+        assert_eq!(of(3, &[]), None);
+        assert_eq!(of(3, &[2]), Some((3, "1, 3".to_string())));
+        assert_eq!(of(0, &[4]), Some((4, "1, 2, 3".to_string())));
+        assert_eq!(
+            of(u64::MAX, &[1]),
+            Some((u64::MAX, "2, 3, 4, 5, 6, ..".to_string()))
+        );
+    }
+
+    #[test]
+    fn what_lies_between_partitions_is_of_neither() {
+        let mut partitions = Partitions::default();
+        partitions.entities.insert((2, 1), vec![1, 2]);
+        partitions.entities.insert((2, 2), vec![2]);
+        for entity in [(2, 1), (2, 2), (2, 3)] {
+            partitions.see(entity);
+        }
+        assert_eq!(partitions.seen, [2].into());
+    }
+}
