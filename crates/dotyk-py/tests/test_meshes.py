@@ -162,3 +162,21 @@ def test_pyramids_and_what_looks_like_one_are_refused(tmp_path):
         dotyk.Mesh(points, {"hex8": [[0, 1, 2, 3, 4, 4, 4, 4]]})
     with pytest.raises(dotyk.InputError, match="unknown kind of cells `pyramid5`"):
         dotyk.Mesh(points, {"pyramid5": [[0, 1, 2, 3, 4]]})
+
+
+def test_files_of_exodus_have_their_own_order_of_nodes(tmp_path):
+    pytest.importorskip("netCDF4")
+    box = dotyk.box([0, 0, 0], [2, 1, 1], cells=[2, 1, 1], cell="hex20")
+    # the edges from bottom to top come before those of the top
+    cells = box.cells["hex20"][:, [*range(12), *range(16, 20), *range(12, 16)]]
+    floor = np.flatnonzero(box.points[:, 2] == 0)
+    meshio_mesh(box.points, [("hexahedron20", cells)], point_sets={"floor": floor}).write(tmp_path / "box.e")
+    mesh = dotyk.read(tmp_path / "box.e")
+    assert np.array_equal(mesh.cells["hex20"], box.cells["hex20"])
+    assert len(mesh.sides["floor"]) == 2 and len(mesh.sides["boundary"]) == 10
+
+
+def test_sets_without_a_name_are_left_out_with_a_word():
+    mesh = dotyk.read(meshio_mesh(PLATE, [("quad", QUADS)], cell_sets={" ": [[0]], "sand": [[1]]}))
+    assert {key if isinstance(key, str) else key[1] for key in mesh.cells} == {"quad4", "sand"}
+    assert mesh.warnings == ["a set without a name is left out"]

@@ -221,6 +221,9 @@ def _named(sets: Mapping[str, Any], notes: list[str]) -> dict[str, Any]:
     before: dict[str, str] = {}
     for original, members in sets.items():
         name = _valid(original)
+        if not name:
+            notes.append("a set without a name is left out")
+            continue
         if name in before:
             raise InputError(
                 f"the groups `{before[name]}` and `{original}` would both be called `{name}` (letters, digits, `_` and `-` "

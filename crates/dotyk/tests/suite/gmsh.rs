@@ -691,7 +691,7 @@ fn files_of_partitions_are_joined_under_the_name_of_the_mesh() {
     // one partition alone is not the mesh
     let error = MeshFile::read(&left).unwrap_err().to_string();
     assert!(
-        error.contains("part_1.msh: the mesh has 2 partitions, and no cells of the partitions 2")
+        error.contains("part_1.msh: the mesh has 2 partitions, and there are no cells of 2: ")
             && error.contains("name `part.msh`"),
         "{error}"
     );
@@ -781,6 +781,21 @@ $GhostElements
 $EndGhostElements
 "
     )
+}
+
+#[test]
+fn a_partition_of_version_2_is_read_with_a_remark() {
+    let text = SQUARE
+        .replace("2 3 2 2 1 1 2 3 4", "2 3 4 2 1 1 2 1 2 3 4")
+        .replace("3 3 2 2 1 2 5 6 3", "3 3 5 2 1 2 2 -1 2 5 6 3");
+    let file = read(text.as_bytes()).unwrap();
+    assert_eq!(file.mesh(&["block"]).unwrap().mesh.cell_count(), 2);
+    let remark = "part.msh: no cell is of a partition 1: to join the files";
+    assert!(
+        file.warnings()[0].starts_with(remark),
+        "{:?}",
+        file.warnings()
+    );
 }
 
 #[test]

@@ -191,14 +191,20 @@ impl Reader<'_> {
         }
     }
 
-    /// Refuses a mesh with cells of some of its partitions only.
+    /// Refuses a mesh with cells of some of its partitions only; where their number is not told, as in version 2.2, a remark
+    /// says which there are.
     fn refuse_missing(&mut self) -> Result<(), ImportError> {
         let Some((count, missing)) = self.partitions.missing() else {
             return Ok(());
         };
-        let what = format!(
-            "the mesh has {count} partitions, and no cells of the partitions {missing} are there: to join the files part_1.msh, part_2.msh, .. of a mesh name `part.msh`"
-        );
+        let join = "to join the files part_1.msh, part_2.msh, .. of a mesh name `part.msh`";
+        if self.partitions.announced == 0 {
+            let remark = format!("no cell is of a partition {missing}: {join}");
+            self.content.remarks.push(remark);
+            return Ok(());
+        }
+        let what =
+            format!("the mesh has {count} partitions, and there are no cells of {missing}: {join}");
         Err(self.cursor.unsupported(what))
     }
 
