@@ -144,6 +144,16 @@ def test_the_dimension_of_a_file_is_told(tmp_path):
         dotyk.read(box, space=False)
 
 
+def test_ucd_files_are_told_from_decks(tmp_path):
+    pytest.importorskip("meshio")
+    (tmp_path / "plate.inp").write_text(
+        "# a comment\n6 2 0 0 0\n1 0 0 0\n2 1 0 0\n3 2 0 0\n4 0 1 0\n5 1 1 0\n6 2 1 0\n"
+        "1 7 quad 1 2 5 4\n2 8 quad 2 3 6 5\n"
+    )
+    mesh = dotyk.read(tmp_path / "plate.inp")
+    assert set(mesh.cells) == {("quad4", "7"), ("quad4", "8")} and area(mesh) == pytest.approx(2.0)
+
+
 def test_files_that_no_program_reads_are_refused_with_their_name(tmp_path):
     pytest.importorskip("meshio")
     for name, text in [("a.med", "nothing"), ("b.inp", "** nothing\n"), ("c.what", "nothing"), ("d.vtk", "")]:

@@ -34,11 +34,14 @@ def of_file(path: str, group: str | Sequence[str] | None, space: bool | None) ->
     meshio = library(f"a mesh file that is neither of Gmsh nor VTU ({path})")
     told = io.StringIO()
     try:
-        # what it prints about a file is the reason that it cannot be read
-        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
-            mesh = meshio.read(path)
+        # it prints why it cannot read a file, and then ends the program
+        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(io.StringIO()):
+            mesh = meshio.read(path, file_format=_format(path))
     except (Exception, SystemExit) as error:
-        why = " ".join(told.getvalue().split()) or str(error) or type(error).__name__
+        why = " ".join(told.getvalue().split())
+        if not why:
+            quits = isinstance(error, SystemExit)
+            why = "its content is not what its ending says" if quits else f"{type(error).__name__}: {error}"
         raise InputError(f"{path}: meshio cannot read the file: {why}") from None
     if os.path.splitext(path)[1].lower() in (".e", ".exo", ".ex2"):
         for block in mesh.cells:
@@ -48,6 +51,16 @@ def of_file(path: str, group: str | Sequence[str] | None, space: bool | None) ->
         return of_meshio(mesh, group, space)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
+
+
+def _format(path: str) -> str | None:
+    """The format of a file whose ending does not tell it: UCD of AVS begins with counts, a deck with a keyword."""
+    if os.path.splitext(path)[1].lower() != ".inp":
+        return None
+    with open(path, encoding="utf-8", errors="replace") as file:
+        lines = (line.strip() for line in file)
+        first = next((line for line in lines if line and not line.startswith("#")), "")
+    return "avsucd" if first[:1].isdigit() else None
 
 
 def of_meshio(mesh: Any, group: str | Sequence[str] | None = None, space: bool | None = None) -> Mesh:
