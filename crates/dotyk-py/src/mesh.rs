@@ -3,10 +3,10 @@
 use crate::errors;
 use crate::worker::{Caller, wait};
 use dotyk::case::{Given, GivenMesh, read_mesh};
-use dotyk::mesh::{CellBlock, CellKind, Mesh as Core, drop_repeated};
+use dotyk::mesh::{CellBlock, CellKind, Facet, FacetTable, Mesh as Core, drop_repeated};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -57,13 +57,22 @@ impl Mesh {
     }
 
     /// A mesh from points (n, 2 or 3), blocks of cells (kind, group, nodes (m, k)) and sides by name: nodes of facets (f, k).
+    ///
+    /// With `boundary` the whole boundary is a side of that name, unless a given one has it. A set of nodes is a side where
+    /// it covers facets of the boundary and no side has its name, else its nodes are points of its name. A mesh of another
+    /// program comes with `notes` about it: of its sides only the facets on the boundary are kept.
     #[staticmethod]
+    #[pyo3(signature = (points, blocks, sides, named, boundary=false, sets=Vec::new(), notes=None))]
+    #[expect(clippy::too_many_arguments)]
     fn of_arrays(
         py: Python<'_>,
         points: PyReadonlyArray2<'_, f64>,
         blocks: Vec<(String, Option<String>, PyReadonlyArray2<'_, i64>)>,
         sides: Vec<(String, PyReadonlyArray2<'_, i64>)>,
         named: BTreeMap<String, Vec<Vec<f64>>>,
+        boundary: bool,
+        sets: Vec<(String, Vec<u32>)>,
+        notes: Option<Vec<String>>,
     ) -> PyResult<Self> {
         let dimension = points.as_array().ncols();
         let blocks = blocks
@@ -75,19 +84,32 @@ impl Mesh {
         let sides =
             sides.map(|(name, nodes)| Ok((name.clone(), facets(py, name, nodes, dimension)?)));
         let sides = sides.collect::<PyResult<Vec<_>>>()?;
+        let told = format!("{repeated} repeated cells are left out");
+        let mut warnings: Vec<String> = (repeated > 0).then_some(told).into_iter().collect();
+        let strict = notes.is_none();
+        warnings.extend(notes.unwrap_or_default());
+        let parts = Parts {
+            sides,
+            strict,
+            named,
+            boundary,
+            sets,
+        };
         let given = match dimension {
-            2 => GivenMesh::Plane(Arc::new(made(py, &points, blocks, &sides)?), places(&named)),
-            3 => GivenMesh::Space(Arc::new(made(py, &points, blocks, &sides)?), places(&named)),
+            2 => {
+                let (mesh, named) = made(py, &points, blocks, parts, &mut warnings)?;
+                GivenMesh::Plane(Arc::new(mesh), named)
+            }
+            3 => {
+                let (mesh, named) = made(py, &points, blocks, parts, &mut warnings)?;
+                GivenMesh::Space(Arc::new(mesh), named)
+            }
             other => {
                 let message = format!("points have 2 or 3 coordinates, not {other}");
                 return Err(errors::input(py, message));
             }
         };
-        let told = format!("{repeated} repeated cells are left out");
-        Ok(Self {
-            given,
-            warnings: (repeated > 0).then_some(told).into_iter().collect(),
-        })
+        Ok(Self { given, warnings })
     }
 
     #[getter]
@@ -250,30 +272,134 @@ fn facets(
         .collect())
 }
 
+/// What arrays name of a mesh.
+struct Parts {
+    /// Corners of the facets of each.
+    sides: Vec<(String, Vec<Vec<u32>>)>,
+    /// Every facet of a side must be there.
+    strict: bool,
+    named: BTreeMap<String, Vec<Vec<f64>>>,
+    boundary: bool,
+    /// Nodes of each.
+    sets: Vec<(String, Vec<u32>)>,
+}
+
+/// The side that is the whole boundary, as in meshes of files.
+const BOUNDARY: &str = "boundary";
+
+/// Points by name.
+type Named<const D: usize> = BTreeMap<String, Vec<[f64; D]>>;
+
 fn made<const D: usize>(
     py: Python<'_>,
     points: &PyReadonlyArray2<'_, f64>,
     blocks: Vec<CellBlock>,
-    sides: &[(String, Vec<Vec<u32>>)],
-) -> PyResult<Core<D>> {
+    parts: Parts,
+    warnings: &mut Vec<String>,
+) -> PyResult<(Core<D>, Named<D>)> {
     let points = points.as_array();
     let rows = points.rows().into_iter();
     let points: Vec<[f64; D]> = rows.map(|row| std::array::from_fn(|d| row[d])).collect();
     let refused = |error: dotyk::mesh::MeshError| errors::input(py, error);
     let mesh = Core::new(points, blocks).map_err(refused)?;
-    let mut found = BTreeMap::new();
-    for (name, corners) in sides {
-        let facets = mesh.facets_at(corners).map_err(|k| {
-            let message = format!(
-                "side `{name}`: no cell has the facet {k} with the corners {:?}",
-                corners[k]
-            );
-            errors::input(py, message)
-        })?;
-        found
-            .entry(name.clone())
-            .or_insert_with(Vec::new)
-            .extend(facets);
+    let table = (!parts.strict).then(|| mesh.facet_table());
+    let mut found: BTreeMap<String, Vec<Facet>> = BTreeMap::new();
+    for (name, corners) in parts.sides {
+        let facets = match &table {
+            Some(table) => outer(table, &corners, &name, warnings),
+            None => mesh.facets_at(&corners).map_err(|k| {
+                let message = format!(
+                    "side `{name}`: no cell has the facet {k} with the corners {:?}",
+                    corners[k]
+                );
+                errors::input(py, message)
+            })?,
+        };
+        if !facets.is_empty() || parts.strict {
+            found.entry(name).or_default().extend(facets);
+        }
     }
-    mesh.with_sides(found).map_err(refused)
+    let mut named = places(&parts.named);
+    let boundary = match parts.boundary || !parts.sets.is_empty() {
+        true => mesh.boundary_facets(),
+        false => Vec::new(),
+    };
+    for (name, nodes) in parts.sets {
+        let nodes: BTreeSet<u32> = nodes.into_iter().collect();
+        let facets = covered(&mesh, &boundary, &nodes);
+        if facets.is_empty() {
+            let own = nodes.iter().filter_map(|&n| mesh.points().get(n as usize));
+            named.entry(name).or_insert_with(|| own.copied().collect());
+        } else if !found.contains_key(&name) {
+            warnings.extend(beside(&mesh, &facets, &nodes, &name));
+            found.insert(name, facets);
+        }
+    }
+    if parts.boundary {
+        found.entry(BOUNDARY.to_string()).or_insert(boundary);
+    }
+    Ok((mesh.with_sides(found).map_err(refused)?, named))
+}
+
+/// The facets with these corners that are on the boundary, and warnings of the others.
+fn outer(
+    table: &FacetTable,
+    corners: &[Vec<u32>],
+    name: &str,
+    warnings: &mut Vec<String>,
+) -> Vec<Facet> {
+    let (mut facets, mut inside, mut missing) = (Vec::new(), 0, 0);
+    for corners in corners {
+        let cells: Vec<Facet> = table.find(corners).collect();
+        match cells[..] {
+            [facet] => facets.push(facet),
+            [] => missing += 1,
+            _ => inside += 1,
+        }
+    }
+    for (count, place) in [(inside, "lie inside the body"), (missing, "are of no cell")] {
+        if count > 0 {
+            warnings.push(format!(
+                "{count} facets of the group `{name}` {place} and are left out: sides are on the boundary"
+            ));
+        }
+    }
+    facets
+}
+
+/// The facets whose nodes are all in a set; where there are none, those whose corners are.
+fn covered<const D: usize>(
+    mesh: &Core<D>,
+    boundary: &[Facet],
+    nodes: &BTreeSet<u32>,
+) -> Vec<Facet> {
+    let within = |facet: &Facet, count: usize| {
+        let mut own = mesh.facet_nodes(*facet).take(count);
+        own.all(|node| nodes.contains(&node))
+    };
+    let whole = boundary.iter().filter(|facet| within(facet, usize::MAX));
+    let whole: Vec<Facet> = whole.copied().collect();
+    if !whole.is_empty() {
+        return whole;
+    }
+    let corners = |facet: &&Facet| within(facet, mesh.facet_kind(**facet).corners());
+    boundary.iter().filter(corners).copied().collect()
+}
+
+/// A warning where a set has nodes on none of its facets.
+fn beside<const D: usize>(
+    mesh: &Core<D>,
+    facets: &[Facet],
+    nodes: &BTreeSet<u32>,
+    name: &str,
+) -> Option<String> {
+    let on = facets.iter().flat_map(|&facet| mesh.facet_nodes(facet));
+    let on: BTreeSet<u32> = on.collect();
+    let off = nodes.difference(&on).count();
+    let count = nodes.len();
+    (off > 0).then(|| {
+        format!(
+            "{off} of the {count} nodes of the set `{name}` are on no facet of the boundary that has all of its nodes in the set: they are left out of the side `{name}`"
+        )
+    })
 }

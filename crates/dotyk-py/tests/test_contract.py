@@ -429,7 +429,7 @@ def test_meshes_go_to_meshio_and_back_with_sides_groups_and_fields():
         field_data={"rock": np.array([7, 2]), "floor": np.array([3, 1])},
     )
     mesh = dotyk.Model("plane-strain").body("a", tagged, material=[{"young": 1.0, "poisson": 0.0, "group": "rock"}]).mesh
-    assert list(mesh.cells) == [("quad4", "rock")] and set(mesh.sides) == {"floor"}
+    assert list(mesh.cells) == [("quad4", "rock")] and set(mesh.sides) == {"boundary", "floor"}
 
 
 def test_pictures_and_tables_come_from_friends():
@@ -485,7 +485,7 @@ def test_sides_with_facets_of_two_kinds_come_back_from_meshio():
     )
     solid = dotyk.extrude(plane, height=1, layers=1)
     again = dotyk.Model("3d").body("x", solid.to_meshio(), young=1.0, poisson=0.0).mesh
-    assert set(again.sides) == {"bottom", "first", "last"}
+    assert set(again.sides) == {"bottom", "boundary", "first", "last"}
 
 
 def test_wrong_meshes_of_meshio_are_refused():
@@ -495,7 +495,7 @@ def test_wrong_meshes_of_meshio_are_refused():
         ({"quad": [[0, 1, 2, -1]]}, points, {}),
         ({"quad": [[0, 1, 2, 9]]}, points, {}),
         ({"quad": np.array([[0, 1, 2.5, 3]])}, points, {}),
-        ({"quad": [[0, 1, 2, 3]]}, [[*p[:2], 5.0] for p in points], {}),
+        ({"quad": [[0, 1, 2, 3]]}, [[*p[:2], 5.0 * p[0]] for p in points], {}),
         ({"quad": [[0, 1, 2, 3]]}, points, {"s": [np.array([4])]}),
     ]
     for cells, at, sets in wrong:

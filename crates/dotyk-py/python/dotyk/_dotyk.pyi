@@ -21,6 +21,9 @@ class Mesh:
         blocks: list[tuple[str, str | None, npt.NDArray[np.int64]]],
         sides: list[tuple[str, npt.NDArray[np.int64]]],
         named: dict[str, list[list[float]]],
+        boundary: bool = False,
+        sets: list[tuple[str, list[int]]] = ...,
+        notes: list[str] | None = None,
     ) -> Mesh: ...
     def points(self) -> Array: ...
     def blocks(self) -> list[tuple[str, str | None, npt.NDArray[np.uint32]]]: ...

@@ -42,7 +42,8 @@ class Mesh:
         ``{kind: (m, k) numbers of nodes}``, kinds as in a case file (``quad4``, ``hex8``, ...), nodes in VTK's order. A key
         ``(kind, group)`` makes a group of cells, for several materials.
     sides:
-        ``{name: (f, k)}``, facets by the numbers of their nodes; the corners suffice.
+        ``{name: (f, k)}``, facets by the numbers of their nodes; the corners suffice. ``boundary`` is the whole boundary,
+        unless you give that name to another side.
     named:
         ``{name: point}``, points that supports, loads and probes may name.
 
@@ -52,7 +53,7 @@ class Mesh:
     >>> import dotyk
     >>> mesh = dotyk.Mesh([[0, 0], [1, 0], [1, 1], [0, 1]], {"quad4": [[0, 1, 2, 3]]}, {"bottom": [[0, 1]]})
     >>> mesh
-    <dotyk.Mesh: 4 nodes, 1 quad4, side bottom>
+    <dotyk.Mesh: 4 nodes, 1 quad4, sides bottom, boundary>
     """
 
     _native: Any
@@ -89,7 +90,7 @@ class Mesh:
             blocks.append((_text(kind, "a kind of cells"), group, _indices(nodes, f"cells of the kind {kind}")))
         facets = [(_text(name, "a side"), _indices(nodes, f"side `{name}`")) for name, nodes in (sides or {}).items()]
         places = _places(named or {}, coordinates.shape[1])
-        self._native = _dotyk.Mesh.of_arrays(coordinates, blocks, facets, places)
+        self._native = _dotyk.Mesh.of_arrays(coordinates, blocks, facets, places, True)
 
     @classmethod
     def _of(cls, native: Any) -> Mesh:
@@ -199,7 +200,9 @@ class Mesh:
         """
         import numpy as np
 
-        meshio = friend("meshio", "to_meshio()")
+        from dotyk._meshio import library
+
+        meshio = library("to_meshio()")
         cells: list[tuple[str, Any]] = []
         groups: dict[str, list[int]] = {}
         for kind, group, nodes in self._native.blocks():
@@ -471,9 +474,11 @@ def drawing(regions_of: str | Sequence[str], **keys: Any) -> Mesh:
 
 @keywords
 def read(path: Any, group: str | Sequence[str] | None = None, space: bool | None = None) -> Mesh:
-    """The mesh of a file of Gmsh (``.msh`` 4.1, 2.2) or VTU, or of the live model of Gmsh (``gmsh`` or ``gmsh.model``).
+    """The mesh of a file of Gmsh (``.msh`` 1, 2, 4) or VTU, of the live model of Gmsh (``gmsh`` or ``gmsh.model``), of a
+    ``meshio.Mesh``, or of any other file that meshio reads (MED, Abaqus, Exodus, ...).
 
-    ``group`` selects cells, groups of facets are its sides.
+    ``group`` selects cells, groups of facets are its sides, and so are sets of nodes that cover facets of the boundary;
+    other sets of nodes are named points. ``part.msh`` joins part_1.msh, part_2.msh, .. of a mesh with partitions.
 
     ``space`` says whether a body of space or of the plane is wanted; without it, solid cells make a body of space.
 
@@ -493,7 +498,14 @@ def read(path: Any, group: str | Sequence[str] | None = None, space: bool | None
             except Exception as error:
                 raise InputError(f"Gmsh cannot write its model: {error}") from None
             return read(file, group=group, space=space)
-    table = {"file": {"path": os.path.abspath(path_of(path, "path")), "group": group}}
+    if _is_meshio(path):
+        return _of_meshio(path, group, space)
+    file = os.path.abspath(path_of(path, "path"))
+    if _is_foreign(file):
+        from dotyk._meshio import of_file
+
+        return of_file(file, group, space)
+    table = {"file": {"path": file, "group": group}}
     if space is not None:
         return _made(table, space)
     try:
@@ -506,8 +518,27 @@ def read(path: Any, group: str | Sequence[str] | None = None, space: bool | None
             raise (other if "cells of space" in str(error) else error) from None
 
 
+def _is_meshio(thing: Any) -> bool:
+    return type(thing).__module__.startswith("meshio")
+
+
 def _is_gmsh(thing: Any) -> bool:
     return getattr(thing, "__module__", None) == "gmsh" or getattr(thing, "__name__", None) == "gmsh"
+
+
+def _of_meshio(mesh: Any, group: str | Sequence[str] | None, space: bool | None) -> Mesh:
+    from dotyk._meshio import of_meshio
+
+    return of_meshio(mesh, group, space)
+
+
+def _is_foreign(path: str) -> bool:
+    """Whether a file is neither of Gmsh nor VTU, by its ending and its first bytes; one that is not there is none."""
+    if os.path.splitext(path)[1].lower() in ("", ".msh", ".vtu") or not os.path.isfile(path):
+        return False
+    with open(path, "rb") as file:
+        start = file.read(1024).lstrip()
+    return not start.startswith((b"$MeshFormat", b"$NOD", b"$Comments")) and b"<VTKFile" not in start
 
 
 def of_any(mesh: Any) -> Mesh | Mapping[str, Any]:
@@ -516,135 +547,8 @@ def of_any(mesh: Any) -> Mesh | Mapping[str, Any]:
         return read(mesh)
     if isinstance(mesh, (Mesh, Mapping)):
         return mesh
-    if type(mesh).__module__.startswith("meshio"):
-        return of_meshio(mesh)
+    if _is_meshio(mesh):
+        return _of_meshio(mesh, None, None)
     raise ArgumentError(
         f"a mesh is a dotyk.Mesh, a meshio.Mesh or a table such as {{'rectangle': ..}}, not {type(mesh).__name__}"
     )
-
-
-def of_meshio(mesh: Any) -> Mesh:
-    """A mesh of meshio: ``gmsh:physical`` with ``field_data``, else ``cell_sets``, are groups and sides.
-
-    Cells that are listed several times, as version 2.2 of Gmsh's format has them, count once.
-    """
-    import numpy as np
-
-    points = np.asarray(unmasked(mesh.points, "`points` of meshio"), dtype=float)
-    if points.ndim != 2 or points.shape[1] not in (2, 3):
-        raise InputError(f"points of meshio have the shape {points.shape}: it must be (n, 2) or (n, 3)")
-    solid = any(_dimension(block) == 3 for block in mesh.cells)
-    if not solid and points.shape[1] == 3:
-        if points[:, 2].any():
-            raise InputError("a mesh of the plane has z = 0 everywhere")
-        points = points[:, :2]
-    kinds = [k for k in _KINDS.values() if (k in _PLANE) != solid]
-    tags = _tags(mesh)
-    _refuse_unknown(mesh, tags, 3 if solid else 2)
-    cells: dict[Any, list[Any]] = {}
-    sides: dict[str, list[Any]] = {}
-    for k, block in enumerate(mesh.cells):
-        kind, nodes = _KINDS.get(block.type), _indices(block.data, f"cells of the kind {block.type}")
-        if nodes.size and not (0 <= nodes.min() and nodes.max() < len(points)):
-            raise InputError(f"cells of the kind {block.type}: a node is none of the {len(points)} points")
-        if kind in kinds:
-            rest = np.ones(len(nodes), bool)
-            for name, members in tags.items():
-                own = members[k][rest[members[k]]]
-                if len(own):
-                    cells.setdefault((kind, name), []).append(nodes[own])
-                    rest[own] = False
-            if rest.any():
-                cells.setdefault(kind, []).append(nodes[rest])
-        elif block.type in _FACETS[3 if solid else 2].values():
-            corners = {"line": 2, "line3": 2, "triangle": 3, "triangle6": 3}.get(block.type, 4)
-            for name, members in tags.items():
-                if len(members[k]):
-                    sides.setdefault(name, []).extend(nodes[members[k], :corners].tolist())
-    if not cells:
-        raise InputError("the mesh of meshio has no cells that a body can be made of")
-    used = np.unique(np.concatenate([nodes.ravel() for own in cells.values() for nodes in own]))
-    number = np.full(len(points), -1, dtype=np.int64)
-    number[used] = np.arange(len(used))
-    groups = {key: number[np.vstack(own)] for key, own in cells.items()}
-    made = {}
-    for name, facets in sides.items():
-        kept = [[int(number[i]) for i in facet] for facet in facets if all(number[i] >= 0 for i in facet)]
-        if kept:
-            made[name] = kept
-    own = Mesh(points[used], groups)
-    if not made:
-        return own
-    # facets of one number of nodes at a time
-    facets = [
-        (name, np.array([facet for facet in kept if len(facet) == size], dtype=np.int64))
-        for name, kept in made.items()
-        for size in sorted({len(facet) for facet in kept})
-    ]
-    blocks = [
-        (key[0], key[1], nodes) if isinstance(key, tuple) else (key, None, nodes) for key, nodes in groups.items()
-    ]
-    return Mesh._of(_dotyk.Mesh.of_arrays(np.ascontiguousarray(points[used]), blocks, facets, {}))
-
-
-def _dimension(block: Any) -> int:
-    """Dimension of the cells of a block of meshio; 0 where it does not say."""
-    kind = _KINDS.get(block.type)
-    return int(getattr(block, "dim", 0)) if kind is None else 2 if kind in _PLANE else 3
-
-
-def _refuse_unknown(mesh: Any, tags: Mapping[str, list[Any]], dimension: int) -> None:
-    """Cells, and facets in groups, of kinds that would be left out without a word are an error with their kinds and counts."""
-    known = [theirs for theirs, ours in _KINDS.items() if (ours in _PLANE) == (dimension == 2)]
-    facets = list(_FACETS[dimension].values())
-    counts: dict[str, int] = {}
-    for k, block in enumerate(mesh.cells):
-        if _dimension(block) == dimension and block.type not in known:
-            counts[block.type] = counts.get(block.type, 0) + len(block.data)
-        elif _dimension(block) == dimension - 1 and block.type not in facets:
-            named = sum(len(members[k]) for members in tags.values())
-            counts[block.type] = counts.get(block.type, 0) + named
-    told = ", ".join(f"{count} `{kind}`" for kind, count in counts.items() if count)
-    if told:
-        raise InputError(
-            f"the mesh of meshio has cells of kinds that are not supported: {told}; divide them or leave them out "
-            f"(supported: {', '.join(known)}, and as facets {', '.join(facets)})"
-        )
-
-
-def _members(own: Any, count: int, name: str) -> Any:
-    """Numbers of cells, which may be given as a mask."""
-    import numpy as np
-
-    array = np.asarray(unmasked(own, f"the set `{name}` of meshio"))
-    if array.dtype == bool:
-        array = np.flatnonzero(array)
-    if array.size and not (0 <= array.min() and array.max() < count):
-        raise InputError(f"the set `{name}` of meshio names a cell that there is not")
-    return array.astype(np.int64)
-
-
-def _tags(mesh: Any) -> dict[str, list[Any]]:
-    """Members of every group, block by block."""
-    import numpy as np
-
-    physical = mesh.cell_data.get("gmsh:physical")
-    if physical is None:
-        none = np.array([], dtype=np.int64)
-        return {
-            str(name): [
-                none if own is None else _members(own, len(block.data), str(name))
-                for own, block in zip(members, mesh.cells, strict=True)
-            ]
-            for name, members in mesh.cell_sets.items()
-            if not str(name).startswith("gmsh:")
-        }
-    names = {(int(tag), int(dimension)): str(name) for name, (tag, dimension) in mesh.field_data.items()}
-    tags: dict[str, list[Any]] = {}
-    for k, (block, numbers) in enumerate(zip(mesh.cells, physical, strict=True)):
-        numbers = np.asarray(numbers)
-        for tag in np.unique(numbers):
-            name = names.get((int(tag), int(getattr(block, "dim", 2))), str(int(tag)))
-            members = tags.setdefault(name, [np.array([], dtype=np.int64) for _ in mesh.cells])
-            members[k] = np.flatnonzero(numbers == tag)
-    return tags

@@ -1,15 +1,18 @@
 //! Meshes from files: what is written in any variant of a format reads back, files of other programs read as meant,
 //! and what is wrong or has no place in a body is said.
 
+use crate::solids::volume;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use dotyk::case::{Case, CaseError};
+use dotyk::fem::quadrature::rule;
 use dotyk::mesh::{
-    CellBlock, CellKind, FilePlace, ImportError, Imported, Mesh, MeshFile, Rectangle, Ring,
+    CellBlock, CellKind, Facet, FilePlace, ImportError, Imported, Mesh, MeshFile, Rectangle, Ring,
 };
 use dotyk::output;
 use dotyk::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::FRAC_PI_4;
 use std::path::PathBuf;
 
 /// A variant of the format: version, and in binary files the order of bytes.
@@ -19,10 +22,16 @@ struct Variant {
     big_endian: Option<bool>,
 }
 
-const VARIANTS: [Variant; 6] = [
+const VARIANTS: [Variant; 12] = [
+    variant(2.0, None),
+    variant(2.0, Some(false)),
+    variant(2.1, None),
     variant(2.2, None),
     variant(2.2, Some(false)),
     variant(2.2, Some(true)),
+    variant(4.0, None),
+    variant(4.0, Some(false)),
+    variant(4.0, Some(true)),
     variant(4.1, None),
     variant(4.1, Some(false)),
     variant(4.1, Some(true)),
@@ -141,14 +150,40 @@ impl Content {
             self.names.len()
         ));
         for (dimension, tag, name) in &self.names {
-            out.text(&format!("{dimension} {tag} \"{name}\"\n"));
+            // version 2.0 has no dimension
+            let dimension = match variant.version {
+                2.0 => String::new(),
+                _ => format!("{dimension} "),
+            };
+            out.text(&format!("{dimension}{tag} \"{name}\"\n"));
         }
         out.text("$EndPhysicalNames\n");
         match variant.version {
-            2.2 => self.write_2(&mut out),
-            _ => self.write_4(&mut out),
+            4.0 => self.write_4(&mut out, true),
+            4.1 => self.write_4(&mut out, false),
+            _ => self.write_2(&mut out),
         }
         out.bytes
+    }
+
+    /// Version 1 is text and has no names.
+    fn write_1(&self) -> Vec<u8> {
+        let mut text = format!("$NOD\n{}\n", self.points.len());
+        for (index, [x, y, z]) in self.points.iter().enumerate() {
+            text += &format!("{} {x:?} {y:?} {z:?}\n", Self::number(index as u32));
+        }
+        text += &format!("$ENDNOD\n$ELM\n{}\n", self.elements.len());
+        for (index, element) in self.elements.iter().enumerate() {
+            let nodes = element.nodes.iter();
+            let nodes: Vec<String> = nodes.map(|&n| Self::number(n).to_string()).collect();
+            let (kind, tag, count) = (element.kind, element.physical, nodes.len());
+            text += &format!(
+                "{} {kind} {tag} {tag} {count} {}\n",
+                index + 1,
+                nodes.join(" ")
+            );
+        }
+        (text + "$ENDELM\n").into_bytes()
     }
 
     /// Numbers of nodes have gaps.
@@ -184,7 +219,8 @@ impl Content {
         out.text("$EndElements\n");
     }
 
-    fn write_4(&self, out: &mut Output) {
+    /// Version 4.1, or 4.0, which is `old`.
+    fn write_4(&self, out: &mut Output, old: bool) {
         let mut entities: BTreeMap<(i32, i32), Numbered> = BTreeMap::new();
         for (index, element) in self.elements.iter().enumerate() {
             let key = (element.dimension, element.physical);
@@ -197,7 +233,8 @@ impl Content {
         out.end();
         for (dimension, tag) in entities.keys() {
             out.int(*tag);
-            (0..if *dimension == 0 { 3 } else { 6 }).for_each(|_| out.real(0.0));
+            let point = *dimension == 0 && !old;
+            (0..if point { 3 } else { 6 }).for_each(|_| out.real(0.0));
             if *tag == 0 {
                 out.size(0);
             } else {
@@ -214,19 +251,26 @@ impl Content {
         // two blocks, the first with parameters
         let half = self.points.len() / 2;
         let last = Self::number(self.points.len() as u32 - 1) as usize;
-        [2, self.points.len(), 10, last]
-            .iter()
-            .for_each(|&s| out.size(s));
+        let head = [2, self.points.len(), 10, last];
+        let head = if old { &head[..2] } else { &head };
+        head.iter().for_each(|&s| out.size(s));
         out.end();
         for (parametric, range) in [(1, 0..half), (0, half..self.points.len())] {
-            [2, 1, parametric].iter().for_each(|&i| out.int(i));
+            let entity = if old { [1, 2] } else { [2, 1] };
+            entity.iter().for_each(|&i| out.int(i));
+            out.int(parametric);
             out.size(range.len());
             out.end();
-            for index in range.clone() {
-                out.size(Self::number(index as u32) as usize);
-                out.end();
+            if !old {
+                for index in range.clone() {
+                    out.size(Self::number(index as u32) as usize);
+                    out.end();
+                }
             }
             for index in range {
+                if old {
+                    out.int(Self::number(index as u32));
+                }
                 self.points[index].iter().for_each(|&c| out.real(c));
                 (0..2 * parametric).for_each(|_| out.real(0.25));
                 out.end();
@@ -240,20 +284,25 @@ impl Content {
         }
         out.text("$EndNodes\n$Elements\n");
         let count = self.elements.len();
-        [blocks.len(), count, 1, count]
-            .iter()
-            .for_each(|&s| out.size(s));
+        let head = [blocks.len(), count, 1, count];
+        let head = if old { &head[..2] } else { &head };
+        head.iter().for_each(|&s| out.size(s));
         out.end();
         for ((dimension, tag, kind), elements) in blocks {
-            [dimension, tag, kind].iter().for_each(|&i| out.int(i));
+            let entity = if old {
+                [tag, dimension]
+            } else {
+                [dimension, tag]
+            };
+            entity.iter().for_each(|&i| out.int(i));
+            out.int(kind);
             out.size(elements.len());
             out.end();
             for (index, element) in elements {
-                out.size(index + 1);
-                element
-                    .nodes
-                    .iter()
-                    .for_each(|&node| out.size(Self::number(node) as usize));
+                out.label(index + 1, old);
+                for &node in &element.nodes {
+                    out.label(Self::number(node) as usize, old);
+                }
                 out.end();
             }
         }
@@ -289,6 +338,14 @@ impl Output {
 
     fn size(&mut self, value: usize) {
         self.number(value.to_string(), &(value as u64).to_le_bytes());
+    }
+
+    /// The number of a node or an element, which has four bytes in version 4.0.
+    fn label(&mut self, value: usize, old: bool) {
+        match old {
+            true => self.int(value as i32),
+            false => self.size(value),
+        }
     }
 
     fn real(&mut self, value: f64) {
@@ -591,33 +648,253 @@ fn elements_of_no_group_are_counted() {
     }
 }
 
-#[test]
-fn partitions_of_version_2_are_read_over_and_those_of_4_refused() {
-    let mesh = whole("gmsh_partitioned_22.msh").mesh;
-    assert_eq!(names(&mesh), ["5", "bore", "boundary", "rim", "y_0"]);
-    assert_eq!(mesh.component_count(), 1);
-    let error = MeshFile::read(&data("gmsh_partitioned_41.msh")).unwrap_err();
-    assert!(error.to_string().contains("without partitions"), "{error}");
+/// The area of a mesh, ½ ∫ x·n over its boundary.
+fn area(mesh: &Mesh<2>) -> f64 {
+    let of_facet = |facet: Facet| {
+        let points = rule(mesh.facet_kind(facet), 6).into_iter();
+        let flux = |xi: &[f64]| {
+            let ([x, y], [nx, ny]) = (mesh.facet_point(facet, xi), mesh.outward_normal(facet, xi));
+            0.5 * (x * nx + y * ny)
+        };
+        points.map(|p| p.weight * flux(&p.xi)).sum::<f64>()
+    };
+    mesh.boundary_facets().into_iter().map(of_facet).sum()
 }
 
 #[test]
-fn old_versions_say_how_to_save_the_mesh() {
-    for (name, version) in [("gmsh_nogroups_40.msh", "4"), ("gmsh_nogroups_10.msh", "1")] {
-        let error = MeshFile::read(&data(name)).unwrap_err().to_string();
+fn partitions_of_one_file_are_joined() {
+    for name in ["gmsh_partitioned_22.msh", "gmsh_partitioned_41.msh"] {
+        let mesh = whole(name).mesh;
+        assert_eq!(
+            names(&mesh),
+            ["5", "bore", "boundary", "rim", "y_0"],
+            "{name}"
+        );
+        assert_eq!(mesh.component_count(), 1, "{name}");
+        let ring = FRAC_PI_4 * (80.0f64.powi(2) - 20.0f64.powi(2));
+        // chords instead of arcs
+        assert!((area(&mesh) / ring - 1.0).abs() < 5e-3, "{name}");
+    }
+}
+
+#[test]
+fn files_of_partitions_are_joined_under_the_name_of_the_mesh() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("partitions");
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    let [left, right, path] =
+        ["part_1.msh", "part_02.msh", "part.msh"].map(|name| folder.join(name));
+    let write = |path: &PathBuf, partition: usize, shift: f64| {
+        std::fs::write(path, partition_of_two(partition, shift)).unwrap();
+    };
+    write(&left, 1, 0.0);
+    // one partition alone is not the mesh
+    let error = MeshFile::read(&left).unwrap_err().to_string();
+    assert!(
+        error.contains("part_1.msh: the mesh has 2 partitions, and there are no cells of 2: ")
+            && error.contains("name `part.msh`"),
+        "{error}"
+    );
+    let error = MeshFile::read(&path).unwrap_err().to_string();
+    assert!(
+        error.contains("part.msh: ") || error.contains("part_1.msh: "),
+        "{error}"
+    );
+    write(&right, 2, 0.0);
+    let file = MeshFile::read(&path).unwrap();
+    let imported = file.mesh(&["block"]).unwrap();
+    // the nodes between them are one, and the facet there is inside
+    assert_eq!(imported.mesh.points().len(), 6);
+    assert_eq!(imported.mesh.cell_count(), 2);
+    assert_eq!(imported.mesh.boundary_facets().len(), 6);
+    assert_eq!(imported.mesh.side("bottom").unwrap().len(), 2);
+    assert_eq!(imported.warnings, [""; 0]);
+    // a shared node in two places is no mesh
+    write(&right, 2, 0.5);
+    let error = MeshFile::read(&path).unwrap_err().to_string();
+    assert!(
+        error.contains("part_02.msh, line") && error.contains("node 2 is given twice"),
+        "{error}"
+    );
+    std::fs::rename(&right, folder.join("part_3.msh")).unwrap();
+    let error = MeshFile::read(&path).unwrap_err().to_string();
+    assert!(
+        error.contains("numbered 1, 3: ") && error.contains("number 2 is expected"),
+        "{error}"
+    );
+}
+
+/// A file of version 4.1 with one of two squares side by side, of the entities 11 and 12 cut out of the surface 1; the
+/// nodes 2 and 3 are those between them, and the curve there, which has the tag of the surface, is of both.
+fn partition_of_two(partition: usize, shift: f64) -> String {
+    let nodes = match partition {
+        1 => "1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0".to_string(),
+        _ => format!("2\n5\n6\n3\n{} 0 0\n2 0 0\n2 1 0\n1 1 0", 1.0 + shift),
+    };
+    let (cell, bottom) = match partition {
+        1 => ("1 2 3 4", "1 2"),
+        _ => ("2 5 6 3", "2 5"),
+    };
+    let entity = 10 + partition;
+    format!(
+        "$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 4 \"bottom\"
+2 7 \"block\"
+$EndPhysicalNames
+$Entities
+0 1 1 0
+1 0 0 0 2 0 0 1 4 0
+1 0 0 0 2 1 0 1 7 0
+$EndEntities
+$PartitionedEntities
+2
+1
+9 1
+0 3 2 0
+11 1 1 1 1 0 0 0 1 0 0 1 4 0
+12 1 1 1 2 1 0 0 2 0 0 1 4 0
+13 2 1 2 1 2 1 0 0 1 1 0 1 7 0
+11 2 1 1 1 0 0 0 1 1 0 1 7 0
+12 2 1 1 2 1 0 0 2 1 0 1 7 0
+$EndPartitionedEntities
+$Nodes
+1 4 1 6
+2 {entity} 0 4
+{nodes}
+$EndNodes
+$Elements
+3 3 1 6
+1 {entity} 1 1
+{partition} {bottom}
+1 13 1 1
+5 2 3
+2 {entity} 3 1
+{entity} {cell}
+$EndElements
+$GhostElements
+1
+12 2 1 1
+$EndGhostElements
+"
+    )
+}
+
+#[test]
+fn a_partition_of_version_2_is_read_with_a_remark() {
+    let text = SQUARE
+        .replace("2 3 2 2 1 1 2 3 4", "2 3 4 2 1 1 2 1 2 3 4")
+        .replace("3 3 2 2 1 2 5 6 3", "3 3 5 2 1 2 2 -1 2 5 6 3");
+    let file = read(text.as_bytes()).unwrap();
+    assert_eq!(file.mesh(&["block"]).unwrap().mesh.cell_count(), 2);
+    let remark = "part.msh: no cell is of a partition 1: to join the files";
+    assert!(
+        file.warnings()[0].starts_with(remark),
+        "{:?}",
+        file.warnings()
+    );
+}
+
+#[test]
+fn version_1_has_groups_by_number_and_its_mistakes_have_lines() {
+    let square = square(CellKind::Quad9, [3, 2]);
+    let text = String::from_utf8(Content::of(&square, "a").write_1()).unwrap();
+    let file = read(text.as_bytes()).unwrap();
+    assert_eq!(file.cell_groups(), ["1"]);
+    let mesh = file.mesh(&[]).unwrap().mesh;
+    assert!((area(&mesh) - 1.0).abs() < 1e-14);
+    // `a` and its sides in the order of their names
+    assert_eq!(names(&mesh), ["2", "3", "4", "5", "boundary"]);
+    assert_eq!(
+        mesh.side("2").unwrap().len(),
+        square.side("bottom").unwrap().len()
+    );
+    let line = |wanted: &str| text.lines().position(|line| line == wanted).unwrap() + 1;
+    let element = text.lines().nth(line("$ELM") + 1).unwrap();
+    let cases = [
+        ("$ENDNOD", "", line("$ENDNOD") + 1, "expected `$ENDNOD`"),
+        ("$ENDELM\n", "", line("$ENDELM"), "`$ENDELM` should be"),
+        (
+            element,
+            &element.replacen(" 9 ", " 8 ", 1),
+            line("$ELM") + 2,
+            "element 1 is a quad9 and has 8 nodes",
+        ),
+    ];
+    for (old, new, line, words) in cases {
+        let error = read(text.replacen(old, new, 1).as_bytes()).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
         assert!(
-            error.contains(&format!("version {version} ")) && error.contains("msh41"),
+            error.to_string().contains(&format!("line {line}: ")),
+            "{error}"
+        );
+    }
+    // other programs write the version's only variant, too
+    let real = real("gmsh_nogroups_10.msh").mesh(&[]).unwrap().mesh;
+    assert_eq!(
+        real.cell_count(),
+        whole("gmsh_nogroups_40.msh").mesh.cell_count()
+    );
+}
+
+#[test]
+fn names_of_version_2_0_are_those_of_every_dimension() {
+    let text = SQUARE
+        .replace("2.2 0 8", "2 0 8")
+        .replace("1 1 \"bottom\"", "1\"bottom\"")
+        .replace("2 2 \"block\"", "2 \"block\" of other programs");
+    let file = read(text.as_bytes()).unwrap();
+    assert_eq!(file.cell_groups(), ["block"]);
+    assert_eq!(file.side_groups(), ["bottom"]);
+    assert_eq!(file.warnings(), [""; 0]);
+}
+
+#[test]
+fn other_versions_say_how_to_save_the_mesh_beside_the_file() {
+    for version in ["3", "1.5", "5.2"] {
+        let text = SQUARE.replace("2.2 0 8", &format!("{version} 0 8"));
+        let error = read(text.as_bytes()).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("version {version} "))
+                && error.contains("-format msh41 -o NEW.msh"),
             "{error}"
         );
     }
 }
 
 #[test]
+fn a_mesh_of_space_read_for_the_plane_says_so_and_the_reverse() {
+    let error = MeshFile::read(&data("gmsh_pipe_tet4_41.msh"))
+        .and_then(|file| file.mesh(&[]))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("a mesh of space, with") && error.contains("`analysis = \"3d\"`"),
+        "{error}"
+    );
+    let error = MeshFile::solid_from_bytes("part.msh", SQUARE.as_bytes())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("all at one z: a mesh of the plane") && error.contains("plane-strain"),
+        "{error}"
+    );
+}
+
+#[test]
 fn cells_of_third_order_are_refused_by_the_body_that_has_them() {
     let file = real("gmsh_cubic_41.msh");
-    assert!(file.warnings().iter().any(|w| w.contains("line4")));
+    assert!(
+        file.warnings()
+            .iter()
+            .any(|w| w.contains("line of order 3 (4 nodes)"))
+    );
     let error = file.mesh(&["outer"]).unwrap_err();
     assert!(
-        matches!(error, ImportError::UnsupportedCells { kind: "tri10", .. }),
+        matches!(&error, ImportError::UnsupportedCells { kind, .. } if kind == "triangle of order 3 (10 nodes)"),
         "{error}"
     );
     assert!(error.to_string().contains("tri6, quad4"), "{error}");
@@ -760,6 +1037,86 @@ fn appended_arrays_are_read_in_both_orders_of_bytes() {
     }
 }
 
+/// A VTU file of text with one cell.
+fn one_cell(kind: u8, points: &[[f64; 3]], nodes: &str) -> String {
+    let coordinates = points.iter().map(|[x, y, z]| format!("{x} {y} {z}"));
+    let coordinates: Vec<String> = coordinates.collect();
+    let array = |name: &str, data: &str| {
+        format!("<DataArray type='Int64' Name='{name}' format='ascii'>{data}</DataArray>")
+    };
+    format!(
+        "<VTKFile type='UnstructuredGrid'><UnstructuredGrid>\
+         <Piece NumberOfPoints='{}' NumberOfCells='1'>\
+         <Points><DataArray type='Float64' NumberOfComponents='3' format='ascii'>{}</DataArray></Points>\
+         <Cells>{}{}{}</Cells></Piece></UnstructuredGrid></VTKFile>",
+        points.len(),
+        coordinates.join(" "),
+        array("connectivity", nodes),
+        array("offsets", &nodes.split(' ').count().to_string()),
+        array("types", &kind.to_string()),
+    )
+}
+
+#[test]
+fn cells_along_the_axes_are_quadrilaterals_and_hexahedra() {
+    let grid: Vec<[f64; 3]> = (0..8u8)
+        .map(|k| {
+            [
+                2.0 * f64::from(k & 1),
+                3.0 * f64::from(k >> 1 & 1),
+                5.0 * f64::from(k >> 2),
+            ]
+        })
+        .collect();
+    let pixel = one_cell(8, &grid[..4], "0 1 2 3");
+    let pixel = MeshFile::from_bytes("pixel.vtu", pixel.as_bytes()).unwrap();
+    let pixel = pixel.mesh(&[]).unwrap().mesh;
+    assert_eq!(pixel.blocks()[0].kind, CellKind::Quad4);
+    assert!((area(&pixel) / 6.0 - 1.0).abs() < 1e-14);
+    let voxel = one_cell(11, &grid, "0 1 2 3 4 5 6 7");
+    let voxel = MeshFile::solid_from_bytes("voxel.vtu", voxel.as_bytes()).unwrap();
+    let voxel = voxel.solid(&[]).unwrap().mesh;
+    assert_eq!(voxel.blocks()[0].kind, CellKind::Hex8);
+    assert!((volume(&voxel) / 30.0 - 1.0).abs() < 1e-14);
+    // Lagrange's cells of first order are those, too
+    let lagrange = one_cell(72, &grid, "0 1 3 2 4 5 7 6");
+    let lagrange = MeshFile::solid_from_bytes("lagrange.vtu", lagrange.as_bytes()).unwrap();
+    assert_eq!(lagrange.solid(&[]).unwrap().mesh, voxel);
+}
+
+#[test]
+fn cells_that_no_mesh_has_are_refused_by_name() {
+    let points = [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, 1.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.5, 0.5, 1.0],
+    ];
+    let cases = [
+        (14, "0 1 2 3 4", "pyramid5"),
+        (14, "0 1 2 3 4", "tied by a [[contact]]"),
+        (42, "0 1 2 3 4", "polyhedron"),
+        (41, "0 1 2 3", "convex set of points"),
+        (72, "0 1 2 3 4", "hexahedron of Lagrange"),
+    ];
+    for (kind, nodes, words) in cases {
+        let text = one_cell(kind, &points, nodes);
+        let file = MeshFile::solid_from_bytes("cell.vtu", text.as_bytes()).unwrap();
+        let error = file.solid(&[]).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    // a hexahedron whose nodes meet in the tip of a pyramid
+    let text = one_cell(12, &points, "0 1 2 3 4 4 4 4");
+    let file = MeshFile::solid_from_bytes("cell.vtu", text.as_bytes()).unwrap();
+    let error = file.solid(&[]).unwrap_err().to_string();
+    assert!(error.contains("names node 4 twice"), "{error}");
+    // points and lines of any length are left out
+    let text = one_cell(2, &points, "");
+    let error = MeshFile::from_bytes("cell.vtu", text.as_bytes()).unwrap_err();
+    assert!(error.to_string().contains("cell.vtu"), "{error}");
+}
+
 #[test]
 fn entities_of_a_document_are_not_expanded() {
     let laughs = "<!DOCTYPE VTKFile [<!ENTITY a 'ha'><!ENTITY b '&a;&a;&a;&a;'>]>\n";
@@ -807,7 +1164,7 @@ fn mistakes_are_named_with_their_line() {
         2
     );
     let cases = [
-        ("2.2 0 8", "3.0 0 8", None, "version 3"),
+        ("2.2 0 8", "3.0 0 8", None, "version 3 "),
         (
             "2.2 0 8",
             "2.2 2 8",
@@ -1052,6 +1409,9 @@ fn a_file_that_is_cut_off_or_spoilt_is_an_error_and_never_a_panic() {
         "gmsh_rings_41.msh",
         "gmsh_rings_41b.msh",
         "gmsh_rings_22b.msh",
+        "gmsh_nogroups_40.msh",
+        "gmsh_nogroups_10.msh",
+        "gmsh_partitioned_41.msh",
         "meshio_rings_raw.vtu",
         "meshio_rings_zlib.vtu",
     ];
@@ -1167,7 +1527,7 @@ fn a_case_points_at_the_file_or_group_that_is_wrong() {
             "path = \"gmsh_cubic_41.msh\"".to_string(),
             steel,
             "\"gmsh_cubic_41.msh\"",
-            "tri10",
+            "triangle of order 3 (10 nodes)",
         ),
         (
             path.to_string(),

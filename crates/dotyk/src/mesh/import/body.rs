@@ -208,7 +208,7 @@ impl MeshFile {
             None => Ok(()),
             Some(refused) => Err(ImportError::UnsupportedCells {
                 file: self.name.clone(),
-                kind: refused.element.name,
+                kind: refused.element.to_string(),
                 count: refused.count,
                 element: refused.first,
                 known: CellKind::of_dimension(usize::from(self.dimension))
@@ -251,6 +251,7 @@ impl MeshFile {
                 file: self.name.clone(),
                 low: low[2],
                 high: high[2],
+                of_space: self.of_space(),
             });
         }
         Ok((points, renumbered))

@@ -6,14 +6,26 @@
 
 use crate::mesh::facets::sorted;
 use crate::mesh::{CellKind, MAX_CELL_NODES};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
 /// A kind of element as files know it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct ElementType {
     pub name: &'static str,
     pub dimension: u8,
+    /// Zero: any number.
     pub nodes: usize,
+    pub order: u8,
+}
+
+impl fmt::Display for ElementType {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.order {
+            0..=2 => f.write_str(self.name),
+            order => write!(f, "{} of order {order} ({} nodes)", self.name, self.nodes),
+        }
+    }
 }
 
 impl ElementType {
@@ -23,6 +35,7 @@ impl ElementType {
             name: kind.name(),
             dimension: kind.dimension() as u8,
             nodes: kind.nodes(),
+            order: kind.order() as u8,
         }
     }
 }
@@ -130,10 +143,26 @@ impl Content {
         index
     }
 
-    /// One more element; `nodes` has as many as its type says.
+    /// Tags of the elements of a dimension.
+    pub fn used(&self, dimension: u8) -> BTreeSet<i64> {
+        let own: BTreeSet<u32> = match dimension {
+            0 => self.nodes.iter().map(|n| n.tags).collect(),
+            d if d == self.dimension => self.cells.iter().map(|c| c.tags).collect(),
+            _ => self.sides.iter().map(|s| s.tags).collect(),
+        };
+        let refused = self.refused.iter();
+        let refused = refused
+            .filter(|r| r.element.dimension == dimension)
+            .map(|r| r.tags);
+        let sets = own.into_iter().chain(refused);
+        sets.flat_map(|set| self.tags[set as usize].iter().copied())
+            .collect()
+    }
+
+    /// One more element; `nodes` has as many as its type says, of kinds with any number of them the first ones.
     pub fn add(&mut self, element: ElementType, number: u64, nodes: &[u32], tags: u32) {
         match (element.dimension, CellKind::from_name(element.name)) {
-            (0, _) => self.nodes.push(NamedNode {
+            (0, _) if element.nodes == 1 => self.nodes.push(NamedNode {
                 node: nodes[0],
                 tags,
             }),

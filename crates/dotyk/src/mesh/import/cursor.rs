@@ -105,13 +105,14 @@ impl<'b> Cursor<'b> {
         String::from_utf8_lossy(line).trim().to_string()
     }
 
-    /// The next word of a text.
+    /// The next word of a text; a quotation mark begins another one.
     fn word(&mut self, what: &str) -> Result<&'b [u8], ImportError> {
         if !self.skip_space() {
             return Err(self.truncated(what));
         }
         let rest = &self.bytes[self.at..];
-        let end = rest.iter().position(u8::is_ascii_whitespace);
+        let ends = |byte: &u8| byte.is_ascii_whitespace() || *byte == b'"';
+        let end = rest.iter().skip(1).position(ends).map(|end| end + 1);
         let word = &rest[..end.unwrap_or(rest.len())];
         self.at += word.len();
         Ok(word)
@@ -215,7 +216,12 @@ impl<'b> Cursor<'b> {
         Err(self.malformed(start, format!("{what} must be finite, found {value}")))
     }
 
-    /// A quoted name.
+    /// Whether a quotation mark follows.
+    pub fn before_quote(&mut self) -> bool {
+        self.skip_space() && self.bytes[self.at] == b'"'
+    }
+
+    /// A quoted name; other programs write words of their own behind it, which are skipped.
     pub fn quoted(&mut self) -> Result<String, ImportError> {
         let what = "a name in quotation marks";
         if !self.skip_space() {
@@ -223,8 +229,8 @@ impl<'b> Cursor<'b> {
         }
         let start = self.at;
         let line = self.line();
-        let inner = line.strip_prefix('"').and_then(|l| l.strip_suffix('"'));
-        inner.map(str::to_string).ok_or_else(|| {
+        let inner = line.strip_prefix('"').and_then(|l| l.rsplit_once('"'));
+        inner.map(|(name, _)| name.to_string()).ok_or_else(|| {
             let message = format!("expected {what}, found `{line}`");
             self.malformed(start, message)
         })
@@ -232,7 +238,7 @@ impl<'b> Cursor<'b> {
 
     /// Moves past the line `$End...` of the section whose data end here.
     pub fn end_section(&mut self, name: &str) -> Result<(), ImportError> {
-        let end = format!("$End{name}");
+        let end = end_of(name);
         if !self.skip_space() {
             return Err(self.truncated(&format!("`{end}`")));
         }
@@ -247,7 +253,7 @@ impl<'b> Cursor<'b> {
 
     /// Moves past the line `$End...` of a section whose data are not read.
     pub fn skip_section(&mut self, name: &str) -> Result<(), ImportError> {
-        let end = format!("\n$End{name}");
+        let end = format!("\n{}", end_of(name));
         // The section may be empty: its end may follow its header at once.
         let from = self.at.saturating_sub(1);
         let found = self.bytes[from..]
@@ -260,4 +266,10 @@ impl<'b> Cursor<'b> {
         self.line();
         Ok(())
     }
+}
+
+/// The line that ends a section: version 1 of Gmsh's format, whose sections have names of capitals, has its own.
+fn end_of(name: &str) -> String {
+    let old = name.chars().all(|c| c.is_ascii_uppercase());
+    format!("${}{name}", if old { "END" } else { "End" })
 }

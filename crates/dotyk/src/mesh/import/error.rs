@@ -113,13 +113,14 @@ pub enum ImportError {
     },
     /// Cells of the body are of a kind that is not supported.
     #[error(
-        "{file}: {count} cells of the body are of the kind {kind}, which is not supported yet; the first is element {element}: mesh with first or second order ({known})"
+        "{file}: {count} cells of the body are of the kind {kind}, which is not supported yet; the first is element {element}: {}",
+        instead(kind, known)
     )]
     UnsupportedCells {
         /// The file.
         file: String,
         /// Name of the kind.
-        kind: &'static str,
+        kind: String,
         /// How many.
         count: usize,
         /// Number of the first of them in the file.
@@ -172,7 +173,8 @@ pub enum ImportError {
     },
     /// The body does not lie in a plane z = constant.
     #[error(
-        "{file}: z runs from {low} to {high} in the body: a plane mesh has one z, and its coordinates are x and y"
+        "{file}: z runs from {low} to {high} in the body: a plane mesh has one z, and its coordinates are x and y{}",
+        solids(*of_space)
     )]
     NotPlane {
         /// The file.
@@ -181,6 +183,8 @@ pub enum ImportError {
         low: f64,
         /// Largest z.
         high: f64,
+        /// Cells of space in the file.
+        of_space: usize,
     },
     /// The cells make no mesh; blocks, cells and nodes of `error` are those of the body, not of the file.
     #[error("{file}{}: {error}", number(*element))]
@@ -198,6 +202,24 @@ fn groups(known: &[String]) -> String {
     match known.len() {
         0 => "it has none: leave `group` out to take all cells".to_string(),
         _ => format!("it has {}", known.join(", ")),
+    }
+}
+
+/// What to do with a mesh of space that is read for bodies of the plane.
+pub(crate) fn solids(count: usize) -> String {
+    match count {
+        0 => String::new(),
+        _ => format!(
+            "; it is a mesh of space, with {count} cells of space: bodies of them need `analysis = \"3d\"`"
+        ),
+    }
+}
+
+/// What to mesh with, instead of a kind that is not supported.
+fn instead(kind: &str, known: &str) -> String {
+    match kind.starts_with("pyramid") {
+        true => "mesh the body without pyramids, or make two bodies, of its tetrahedra and of its hexahedra, tied by a [[contact]] with `tied = true`".to_string(),
+        false => format!("mesh with order 1 or 2 ({known})"),
     }
 }
 

@@ -1,4 +1,4 @@
-//! Meshes from files: Gmsh `.msh` 4.1 and 2.2 (text and binary), and VTU.
+//! Meshes from files: Gmsh `.msh` of versions 1, 2 and 4 (text and binary), and VTU.
 //!
 //! A file is read for bodies of the plane or of space. It holds cells and edges, in space cells and faces, in groups. A body
 //! is made of all cells or of some groups of them; the groups of edges or faces on its boundary are its sides, and `boundary`
@@ -17,6 +17,7 @@ mod cursor;
 mod error;
 mod gmsh;
 mod groups;
+mod parts;
 mod remarks;
 pub(crate) mod stl;
 mod vtu;
@@ -26,9 +27,10 @@ pub use error::{FilePlace, ImportError};
 
 use crate::mesh::import::content::{Content, NamedNode, ReadCell, ReadSide, Refused};
 use crate::mesh::import::cursor::Cursor;
+use crate::mesh::import::error::solids;
 use crate::mesh::import::groups::Groups;
 use crate::mesh::import::remarks::described;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// A mesh file, read and checked: the bodies of one or several cases can be cut out of it.
@@ -77,60 +79,56 @@ impl MeshFile {
     }
 
     fn open(path: &Path, dimension: u8) -> Result<Self, ImportError> {
-        let bytes = crate::host::read(path).map_err(|why| ImportError::Unreadable {
-            file: path.display().to_string(),
-            why,
-        })?;
-        Self::parse(&path.display().to_string(), &bytes, dimension)
+        let files = parts::files(path)?.into_iter().map(|path| {
+            let file = path.display().to_string();
+            match crate::host::read(&path) {
+                Ok(bytes) => Ok((file, bytes)),
+                Err(why) => Err(ImportError::Unreadable { file, why }),
+            }
+        });
+        let files: Vec<(String, Vec<u8>)> = files.collect::<Result<_, _>>()?;
+        let files: Vec<(&str, &[u8])> = files.iter().map(|(n, b)| (n.as_str(), &b[..])).collect();
+        Self::parse(&path.display().to_string(), &files, dimension)
     }
 
     /// Reads the content of a file that messages call `name`, for bodies of the plane.
     ///
     /// Errors: as [`Self::read`].
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, ImportError> {
-        Self::parse(name, bytes, 2)
+        Self::parse(name, &[(name, bytes)], 2)
     }
 
     /// The same for bodies of space.
     ///
     /// Errors: as [`Self::read`].
     pub fn solid_from_bytes(name: &str, bytes: &[u8]) -> Result<Self, ImportError> {
-        Self::parse(name, bytes, 3)
+        Self::parse(name, &[(name, bytes)], 3)
     }
 
-    fn parse(name: &str, bytes: &[u8], dimension: u8) -> Result<Self, ImportError> {
-        let mut cursor = Cursor::new(name, bytes);
-        cursor.skip_space();
-        let content = if bytes.get(cursor.at()) == Some(&b'$') {
-            gmsh::read(cursor, dimension)?
-        } else if vtu::recognised(bytes) {
-            vtu::read(name, bytes, dimension)?
-        } else {
-            return Err(cursor.unsupported(
-                "this is neither a Gmsh mesh (.msh, which begins with $MeshFormat) nor a VTU file",
-            ));
-        };
-        Self::new(name, content)
+    /// Reads a mesh of one or, with partitions in files of their own, several files.
+    fn parse(name: &str, files: &[(&str, &[u8])], dimension: u8) -> Result<Self, ImportError> {
+        let mut cursors = Vec::new();
+        for &(file, bytes) in files {
+            let mut cursor = Cursor::new(file, bytes);
+            cursor.skip_space();
+            if bytes.get(cursor.at()) == Some(&b'$') {
+                cursors.push(cursor);
+            } else if vtu::recognised(bytes) && files.len() == 1 {
+                return Self::new(name, vtu::read(file, bytes, dimension)?);
+            } else {
+                return Err(cursor.unsupported(
+                    "this is neither a Gmsh mesh (.msh, which begins with $MeshFormat or $NOD) nor a VTU file",
+                ));
+            }
+        }
+        Self::new(name, gmsh::read(cursors, dimension)?)
     }
 
     fn new(name: &str, mut content: Content) -> Result<Self, ImportError> {
         let repeated = drop_repeated(name, &mut content)?;
         let of_cells = content.dimension;
-        let used = |dimension: u8| -> BTreeSet<i64> {
-            let own: BTreeSet<u32> = match dimension {
-                0 => content.nodes.iter().map(|n| n.tags).collect(),
-                d if d == of_cells => content.cells.iter().map(|c| c.tags).collect(),
-                _ => content.sides.iter().map(|s| s.tags).collect(),
-            };
-            let refused = content.refused.iter();
-            let refused = refused
-                .filter(|r| r.element.dimension == dimension)
-                .map(|r| r.tags);
-            let sets = own.into_iter().chain(refused);
-            sets.flat_map(|set| content.tags[set as usize].iter().copied())
-                .collect()
-        };
-        let groups = |dimension| Groups::new(name, dimension, &used(dimension), &content.names);
+        let groups =
+            |dimension| Groups::new(name, dimension, &content.used(dimension), &content.names);
         let cell_groups = groups(of_cells)?;
         let side_groups = groups(of_cells - 1)?;
         let point_groups = groups(0)?;
@@ -169,22 +167,45 @@ impl MeshFile {
         };
         // a surface mesh of space is not just a mistake of groups
         let again = if self.dimension == 2 { "" } else { mesh };
+        let flat = self.dimension == 3 && !self.sides.is_empty() && self.is_flat();
         ImportError::NoCells {
             file: self.name.clone(),
             cells: match self.dimension {
                 2 => "of the plane (triangles or quadrilaterals)",
                 _ => "of space (tetrahedra, hexahedra or prisms)",
             },
-            found: match found.len() {
-                0 => format!(
+            found: match (found.len(), self.of_space()) {
+                (0, _) => format!(
                     "it has no elements at all: in Gmsh, {mesh}put the {parts} in physical groups"
                 ),
-                _ => format!(
-                    "it has {}: in Gmsh, {again}put the {parts} in physical groups, or save all elements",
+                (_, 0) if flat => format!(
+                    "it has {}, all at one z: a mesh of the plane, whose bodies need an `analysis` of the plane (plane-strain, plane-stress or axisymmetric)",
                     found.join(", ")
+                ),
+                (_, solid) => format!(
+                    "it has {}: in Gmsh, {again}put the {parts} in physical groups, or save all elements{}",
+                    found.join(", "),
+                    if self.dimension == 2 {
+                        solids(solid)
+                    } else {
+                        String::new()
+                    }
                 ),
             },
         }
+    }
+
+    /// Cells of space, where the file is read for bodies of the plane.
+    fn of_space(&self) -> usize {
+        let solid = self.refused.iter().filter(|r| r.element.dimension == 3);
+        solid.map(|r| r.count).sum()
+    }
+
+    /// Whether all nodes have one z.
+    fn is_flat(&self) -> bool {
+        let mut heights = self.points.iter().map(|point| point[2]);
+        let first = heights.next();
+        heights.all(|z| Some(z) == first)
     }
 
     /// Elements of sides.

@@ -13,12 +13,13 @@ impl MeshFile {
         let dimension = self.dimension;
         let other = self.refused.iter();
         let other = other.filter(|r| r.element.dimension != dimension);
-        let other = merged(other);
-        remarks.extend(
-            other
-                .iter()
-                .map(|r| format!("{} are left out", described(r))),
-        );
+        remarks.extend(merged(other).iter().map(|r| {
+            let meant = match r.element.dimension > dimension {
+                true => ": bodies of such cells need `analysis = \"3d\"`",
+                false => "",
+            };
+            format!("{} are left out{meant}", described(r))
+        }));
         if repeated > 0 {
             remarks.push(format!("{repeated} repeated cells are left out"));
         }
@@ -120,10 +121,7 @@ fn merged<'r>(refused: impl Iterator<Item = &'r Refused>) -> Vec<Refused> {
 }
 
 pub(crate) fn described(refused: &Refused) -> String {
-    format!(
-        "{} elements of the kind {}",
-        refused.count, refused.element.name
-    )
+    format!("{} elements of the kind {}", refused.count, refused.element)
 }
 
 pub(crate) fn quoted(names: &[String]) -> String {

@@ -24,27 +24,80 @@ const EXPANSION: usize = 100;
 /// Cell arrays that hold groups.
 const GROUPS: [&str; 2] = ["gmsh:physical", "group"];
 
-/// VTK's number, name, dimension and nodes of kinds that are not supported.
-const OTHER_TYPES: [(i64, &str, u8, usize); 7] = [
-    (1, "point", 0, 1),
-    (8, "pixel", 2, 4),
-    (11, "voxel", 3, 8),
-    (14, "pyramid5", 3, 5),
-    (27, "pyramid13", 3, 13),
-    (34, "tri7", 2, 7),
-    (35, "line4", 1, 4),
+/// VTK's number, name, dimension, order and nodes of kinds that are not supported; zero nodes: any number.
+const OTHER_TYPES: [(i64, &str, u8, u8, usize); 25] = [
+    (1, "point", 0, 0, 1),
+    (2, "set of points", 0, 0, 0),
+    (4, "line of several pieces", 1, 1, 0),
+    (6, "strip of triangles", 2, 1, 0),
+    (7, "polygon", 2, 1, 0),
+    (14, "pyramid5", 3, 1, 5),
+    (15, "prism of a pentagon", 3, 1, 10),
+    (16, "prism of a hexagon", 3, 1, 12),
+    (27, "pyramid13", 3, 2, 13),
+    (30, "quadrilateral of order 2 by 1 (6 nodes)", 2, 2, 6),
+    (31, "prism of order 2 by 1 (12 nodes)", 3, 2, 12),
+    (33, "hexahedron of 24 nodes", 3, 2, 24),
+    (34, "tri7", 2, 2, 7),
+    (35, "line", 1, 3, 4),
+    (36, "polygon of order 2", 2, 2, 0),
+    (37, "pyramid19", 3, 2, 19),
+    (41, "convex set of points", 3, 1, 0),
+    (42, "polyhedron", 3, 1, 0),
+    (68, "line of Lagrange", 1, 1, 0),
+    (69, "triangle of Lagrange", 2, 1, 0),
+    (70, "quadrilateral of Lagrange", 2, 1, 0),
+    (71, "tetrahedron of Lagrange", 3, 1, 0),
+    (72, "hexahedron of Lagrange", 3, 1, 0),
+    (73, "prism of Lagrange", 3, 1, 0),
+    (74, "pyramid of Lagrange", 3, 1, 0),
 ];
 
-/// The kind of a number of VTK's.
-fn known(number: i64) -> Option<ElementType> {
+/// VTK's numbers of Lagrange's cells of any order, and the kinds of first and second order that list their nodes alike.
+const LAGRANGE: [(i64, &[CellKind]); 6] = [
+    (68, &[CellKind::Line2, CellKind::Line3]),
+    (69, &[CellKind::Tri3, CellKind::Tri6]),
+    (70, &[CellKind::Quad4, CellKind::Quad9]),
+    (71, &[CellKind::Tet4, CellKind::Tet10]),
+    (72, &[CellKind::Hex8]),
+    (73, &[CellKind::Prism6]),
+];
+
+/// VTK's numbers of cells along the axes, whose corners run in rows, and the place in the file of each corner.
+const ALONG_AXES: [(i64, CellKind, &[usize]); 2] = [
+    (8, CellKind::Quad4, &[0, 1, 3, 2]),
+    (11, CellKind::Hex8, &[0, 1, 3, 2, 4, 5, 7, 6]),
+];
+
+/// The kind of a cell by VTK's number and its number of nodes.
+fn known(number: i64, nodes: usize) -> Option<ElementType> {
     let ours = |kind: &CellKind| i64::from(kind.vtk()) == number;
-    let ours = CellKind::ALL.into_iter().find(ours).map(ElementType::of);
+    let along = ALONG_AXES.iter().find(|cell| cell.0 == number);
+    let lagrange = LAGRANGE.iter().find(|cell| cell.0 == number);
+    let lagrange = lagrange.and_then(|cell| cell.1.iter().find(|k| k.nodes() == nodes));
+    let ours = CellKind::ALL.into_iter().find(ours);
+    let ours = ours.or(along.map(|cell| cell.1)).or(lagrange.copied());
+    if let Some(kind) = ours {
+        return Some(ElementType::of(kind));
+    }
     let other = OTHER_TYPES.iter().find(|other| other.0 == number);
-    ours.or(other.map(|&(_, name, dimension, nodes)| ElementType {
+    other.map(|&(_, name, dimension, order, nodes)| ElementType {
         name,
         dimension,
         nodes,
-    }))
+        order,
+    })
+}
+
+/// The nodes of a cell in our order, from those of the file.
+fn reorder(number: i64, nodes: &mut [u32]) {
+    let Some((_, _, order)) = ALONG_AXES.iter().find(|cell| cell.0 == number) else {
+        return;
+    };
+    let theirs = nodes.to_vec();
+    for (node, &place) in nodes.iter_mut().zip(*order) {
+        *node = theirs[place];
+    }
 }
 
 /// Whether the bytes look like a VTK file.
@@ -344,7 +397,8 @@ impl<'b> Document<'b> {
                 }
             }
             let tags = content.tag_set(groups.get(cell).copied().into_iter().collect());
-            let used = &own[..slice.len().min(MAX_CELL_NODES)];
+            let used = &mut own[..slice.len().min(MAX_CELL_NODES)];
+            reorder(kind, used);
             content.add(element, cell as u64, used, tags);
         }
         Ok(())
@@ -357,13 +411,13 @@ impl<'b> Document<'b> {
         kind: i64,
         nodes: usize,
     ) -> Result<ElementType, ImportError> {
-        let Some(element) = known(kind) else {
+        let Some(element) = known(kind, nodes) else {
             let what = format!(
                 "cell {cell} is of VTK's type {kind}, which is not known: mesh with first or second order"
             );
             return Err(self.error(array, &what));
         };
-        if element.nodes != nodes {
+        if element.nodes != nodes && element.nodes > 0 {
             let (name, count) = (element.name, element.nodes);
             let what = format!("cell {cell} is a {name} and has {nodes} nodes, {count} are needed");
             return Err(self.error(array, &what));
@@ -563,12 +617,14 @@ mod tests {
                 OTHER_TYPES.iter().all(|other| other.0 != number),
                 "{number}"
             );
-            assert_eq!(known(number), Some(ElementType::of(kind)));
+            assert_eq!(known(number, 0), Some(ElementType::of(kind)));
         }
-        assert_eq!(
-            known(13).map(|kind| (kind.name, kind.nodes)),
-            Some(("prism6", 6))
-        );
-        assert_eq!(known(2), None);
+        let called = |number, nodes| known(number, nodes).map(|kind| kind.to_string());
+        assert_eq!(called(13, 6).as_deref(), Some("prism6"));
+        assert_eq!(called(70, 9).as_deref(), Some("quad9"));
+        assert_eq!(called(70, 16).as_deref(), Some("quadrilateral of Lagrange"));
+        assert_eq!(called(42, 17).as_deref(), Some("polyhedron"));
+        assert_eq!(called(35, 4).as_deref(), Some("line of order 3 (4 nodes)"));
+        assert_eq!(called(3333, 2), None);
     }
 }
