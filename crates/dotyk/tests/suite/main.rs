@@ -5,6 +5,7 @@
 mod anew;
 mod axisymmetric;
 mod bending;
+mod bolts;
 mod checks;
 mod cohesion;
 mod couple;

@@ -12,7 +12,7 @@
 //! supports hold at both nodes of a pair has no row.
 
 use crate::contact::{Coupling, Interface, InterfaceNode, frame};
-use crate::fem::{Constraints, side_points};
+use crate::fem::{Constraints, show, side_points};
 use crate::geometry::{Point, add_scaled, distance, dot, norm, unit};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
@@ -29,6 +29,9 @@ use std::collections::BTreeMap;
 
 /// Nodes of the two sides lie on each other within this part of a facet.
 const SAME: f64 = 1e-4;
+
+/// Directions with no larger part along the axis are across it.
+const ACROSS: f64 = 1e-6;
 
 /// The least part of the normal of a cut along its axis.
 const LEAST_ALONG: f64 = 0.1;
@@ -197,7 +200,7 @@ fn paired<const D: usize>(
 
 /// The condition of a bolt by its place in the model, at a time.
 ///
-/// Errors: a cut that cannot be laid; a prestress or shortening that is not finite.
+/// Errors: a cut that cannot be laid, or whose sides supports hold; a prestress or shortening that is not finite.
 pub(crate) fn drawn_together<const D: usize>(
     stage: &Stage<'_, D>,
     constraints: &[&Constraints<D>],
@@ -209,6 +212,18 @@ pub(crate) fn drawn_together<const D: usize>(
     let laid = LaidCut::new(&stage.model, member, bolt).map_err(refused)?;
     let drawn = bolt.drawn(stage.tightening[place], time).map_err(refused)?;
     let bodies = laid.sides.each_ref().map(|side| side.body.0);
+    if let Some(node) = stuck(&laid, constraints) {
+        let at = stage.model.bodies[bodies[0]].mesh.points()[node];
+        return Err(refused(MemberError::new(
+            "axis",
+            format!(
+                "supports hold both sides of its cut at {} along its axis: they cannot be drawn together",
+                show(at)
+            ),
+            "not free to move",
+            "let the axis run along the plane of symmetry, or support nodes off the cut",
+        )));
+    }
     let mut interface = Interface::empty(Coupling::Tied);
     let mut held_rows = Vec::new();
     for (k, &[own, other]) in laid.pairs.iter().enumerate() {
@@ -262,6 +277,18 @@ pub(crate) fn drawn_together<const D: usize>(
     };
     draw(&mut condition, &laid, drawn);
     Ok(condition)
+}
+
+/// A node of the side behind where supports of both sides hold a direction that is not across the axis.
+fn stuck<const D: usize>(laid: &LaidCut<D>, constraints: &[&Constraints<D>]) -> Option<usize> {
+    let [behind, ahead] = laid.sides.each_ref().map(|side| constraints[side.body.0]);
+    let mut pairs = laid.pairs.iter();
+    let pair = pairs.find(|[own, other]| {
+        let beyond = || ahead.at(*other).iter().map(|held| held.axis);
+        let mut both = behind.at(*own).iter().map(|held| held.axis);
+        both.any(|axis| dot(axis, laid.along).abs() > ACROSS && holds(beyond(), axis))
+    });
+    pair.map(|[own, _]| *own)
 }
 
 /// Whether unit vectors at right angles to each other span a direction.

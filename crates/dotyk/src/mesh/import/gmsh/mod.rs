@@ -86,7 +86,7 @@ struct Reader<'b> {
     points: HashMap<u64, u32>,
     /// Physical tags by dimension and number of the entity.
     entities: BTreeMap<(i64, i64), Vec<i64>>,
-    /// Names of version 2.0, which do not tell their dimension.
+    /// Names that do not tell their dimension.
     names: BTreeMap<i64, String>,
     partitions: Partitions,
     /// Nodes were read.
@@ -245,7 +245,7 @@ impl Reader<'_> {
         Ok(count)
     }
 
-    /// Names of groups: text in binary files, too. In version 2.0 they may have no dimension.
+    /// Names of groups: text in binary files, too. In version 2.0 they may have no dimension, in files made of these the dimension -1.
     fn names(&mut self) -> Result<(), ImportError> {
         for _ in 0..self.count("the number of names")? {
             let start = self.cursor.next_at();
@@ -255,12 +255,17 @@ impl Reader<'_> {
                 self.names.insert(first, name);
                 continue;
             }
+            let tag: i64 = self.cursor.parsed("a physical tag")?;
+            let name = self.cursor.quoted()?;
+            // as Gmsh writes the names of version 2.0 into later files
+            if first == -1 {
+                self.names.insert(tag, name);
+                continue;
+            }
             let dimension = u8::try_from(first).map_err(|_| {
                 let message = format!("expected a dimension, found {first}");
                 self.cursor.malformed(start, message)
             })?;
-            let tag: i64 = self.cursor.parsed("a physical tag")?;
-            let name = self.cursor.quoted()?;
             let other = self.content.names.insert((dimension, tag), name.clone());
             if let Some(other) = other.filter(|other| *other != name) {
                 let message = format!(
