@@ -160,7 +160,7 @@ impl Deck {
         }
         let copies: BTreeMap<Index, Index> =
             cut.into_iter().zip(self.points.len() as Index..).collect();
-        for (&node, _) in &copies {
+        for &node in copies.keys() {
             self.copy_node(node);
         }
         for element in moved {

@@ -6,6 +6,7 @@ use dotyk::case::{Given, GivenMesh, read_mesh};
 use dotyk::mesh::{CellBlock, CellKind, Facet, FacetTable, Mesh as Core, drop_repeated};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::prelude::*;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -330,9 +331,9 @@ fn made<const D: usize>(
         if facets.is_empty() {
             let own = nodes.iter().filter_map(|&n| mesh.points().get(n as usize));
             named.entry(name).or_insert_with(|| own.copied().collect());
-        } else if !found.contains_key(&name) {
-            warnings.extend(beside(&mesh, &facets, &nodes, &name));
-            found.insert(name, facets);
+        } else if let Entry::Vacant(side) = found.entry(name) {
+            warnings.extend(beside(&mesh, &facets, &nodes, side.key()));
+            side.insert(facets);
         }
     }
     if parts.boundary {

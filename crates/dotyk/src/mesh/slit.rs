@@ -149,7 +149,7 @@ mod tests {
             to: [1.0, 3.0],
             cells: [2, 6],
             cell: CellKind::Quad4,
-            diagonals: Diagonals::Right,
+            diagonals: Diagonals::Forward,
         };
         bar.build().unwrap()
     }
