@@ -61,21 +61,41 @@ fn a_cut_that_is_not_drawn_together_changes_nothing() {
     }
 }
 
+/// The same held at both ends, and drawn along its top.
+fn clamped(steps: usize, bolt: &str) -> String {
+    let text = cantilever(steps, bolt);
+    let text = text.replace("fix = [", "fix = [{ side = \"right\", x = 0 }, ");
+    text.replace("side = \"right\", traction", "side = \"top\", traction")
+}
+
 #[test]
 fn what_tightens_it_is_locked_at_the_shortening_that_it_took() {
-    // what the load itself draws at the cut needs no shortening: the tension of the first step
-    let keys = "axis = [1, 0]\nprestress = 0.3";
-    let (whole, cut) = (
-        solved(&cantilever(2, "")).1,
-        solved(&cantilever(2, &bolt(keys))).1,
-    );
+    let whole = solved(&clamped(2, "")).1;
     let stud = |step: &Solution<2>| step.member("stud").unwrap().clone();
+    let drawn = |keys: &str| solved(&clamped(2, &bolt(&format!("axis = [1, 0]\n{keys}")))).1;
+    // the tension that the cut has of itself tightens it by nothing
+    let own = stud(&drawn("shortening = 0")[0]).stations[0].force;
+    assert!(own.abs() > 0.01, "{own}");
+    let cut = drawn(&format!("prestress = {own}"));
     near(stud(&cut[0]).shortening.unwrap(), 0.0, ROUNDING);
     assert!(stud(&cut[0]).tightening && !stud(&cut[1]).tightening);
     for (cut, whole) in cut.iter().zip(&whole) {
         assert!(difference(cut, whole) < ROUNDING);
     }
-    near(stud(&cut[1]).stations[0].force, 0.6, ROUNDING);
+    near(stud(&cut[1]).stations[0].force, 2.0 * own, ROUNDING);
+    // more of it adds what the bar bears of a shortening alone
+    let more = drawn(&format!("prestress = {}", own + 5.0));
+    let passed = stud(&more[0]).shortening.unwrap();
+    assert!(passed > 0.0);
+    near(stud(&more[1]).shortening.unwrap(), passed, ROUNDING);
+    near(stud(&more[1]).stations[0].force, 2.0 * own + 5.0, ROUNDING);
+}
+
+/// Nothing but its load balances a part beyond the cut that is free: no other tension has an answer.
+#[test]
+fn a_free_end_bears_no_prestress_but_that_of_its_load() {
+    let text = cantilever(1, &bolt("axis = [1, 0]\nprestress = 1"));
+    assert!(refused(&text).message.contains("is not held"));
 }
 
 #[test]
@@ -160,7 +180,7 @@ fn a_bar_aslant_has_the_tension_of_its_shortening() {
 
 #[test]
 fn supports_on_both_sides_of_a_cut_along_its_axis_are_told() {
-    let text = cantilever(1, &bolt("axis = [1, 0]\nprestress = 1"));
+    let text = clamped(1, &bolt("axis = [1, 0]\nprestress = 1"));
     let held = |fix: &str| text.replace("fix = [", &format!("fix = [{fix}, "));
     // across the axis they are those of a plane of symmetry
     let symmetric = solved(&held("{ side = \"bottom\", y = 0 }")).1;
