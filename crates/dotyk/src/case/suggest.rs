@@ -161,7 +161,7 @@ mod tests {
             (
                 "prestress",
                 keys::CONTACT,
-                Some("`prestress` is a key of `bar`"),
+                Some("`prestress` is a key of `bar` and `bolt`"),
             ),
             ("prestress", keys::BODY, None),
             // misspelled keys are not moved, and keys of many tables give no hint
