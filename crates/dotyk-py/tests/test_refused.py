@@ -13,7 +13,7 @@ import dotyk.examples
 
 
 def square():
-    return dotyk.rectangle([0, 0], [1, 1], cells=[1, 1])
+    return dotyk.rectangle([0, 0], [1, 1], cells=[1, 2])
 
 
 def loaded_by(pressure):

@@ -26,7 +26,7 @@ class InputError(Error, ValueError):
     >>> import dotyk
     >>> dotyk.rectangle([0, 0], [1, 1], cells=[0, 2])
     Traceback (most recent call last):
-    dotyk._errors.InputError: the number of cells must be a positive integer
+    dotyk._errors.InputError: mesh, rectangle, `cells`: the number of cells must be a positive integer
     """
 
 

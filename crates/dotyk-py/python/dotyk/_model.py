@@ -414,7 +414,7 @@ class Model:
         <dotyk.Body rock: 10 nodes, 4 quad4, sides bottom, left, right, top>
         >>> m.body("lining", dotyk.rectangle([0, 1], [4, 2], cells=[4, 1]), young=-1, poisson=0.25)
         Traceback (most recent call last):
-        dotyk._errors.InputError: `young` must be positive
+        dotyk._errors.InputError: body `lining`, material: `young` must be positive
         """
         arguments = dict(locals())
         given = {key: value for key, value in arguments.items() if key not in ("self", *_MATERIAL)}
