@@ -178,6 +178,38 @@ fn a_bar_aslant_has_the_tension_of_its_shortening() {
     assert!(cut.len() > 3);
 }
 
+/// Else the contact would bear the prestress, and nothing would be tightened.
+#[test]
+fn a_contact_at_the_cut_is_refused() {
+    let text = |contact: &str| {
+        let part = |name: &str, y: f64, fix: &str| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmesh = {{ rectangle = {{ from = [0, {y}], to = [1, {}], cells = [2, 2] }} }}\n\
+                 material = {{ young = 1000, poisson = 0 }}\nfix = [{{ side = \"{fix}\", x = 0, y = 0 }}]\n",
+                y + 1.0
+            )
+        };
+        format!(
+            "analysis = \"plane-strain\"\n{}{}{contact}[[bolt]]\nname = \"stud\"\nfrom = {{ side = \"low.top\" }}\nto = {{ side = \"up.bottom\" }}\nprestress = 3\n",
+            part("low", 0.0, "bottom"),
+            part("up", 1.0, "top")
+        )
+    };
+    let alone = solved(&text("")).1;
+    near(
+        alone[0].member("stud").unwrap().shortening.unwrap(),
+        0.006,
+        ROUNDING,
+    );
+    for contact in [
+        "bodies = \"all\"",
+        "nonmortar = \"low.top\"\nmortar = \"up.bottom\"",
+    ] {
+        let error = refused(&text(&format!("[[contact]]\nname = \"c\"\n{contact}\n")));
+        assert!(error.message.contains("acts at its cut"), "{error}");
+    }
+}
+
 #[test]
 fn supports_on_both_sides_of_a_cut_along_its_axis_are_told() {
     let text = clamped(1, &bolt("axis = [1, 0]\nprestress = 1"));

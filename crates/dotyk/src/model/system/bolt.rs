@@ -14,6 +14,7 @@
 use crate::contact::{Coupling, Interface, InterfaceNode, frame};
 use crate::fem::{Constraints, show, side_points};
 use crate::geometry::{Point, add_scaled, distance, dot, norm, unit};
+use crate::mesh::Facet;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::member::{MemberEnd, MemberError};
@@ -25,7 +26,7 @@ use crate::model::system::links::carrier;
 use crate::model::system::parts::Owner;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Nodes of the two sides lie on each other within this part of a facet.
 const SAME: f64 = 1e-4;
@@ -60,7 +61,7 @@ impl<const D: usize> LaidCut<D> {
     /// The cut of a member that is a bolt.
     ///
     /// Errors: ends that are not sides; a side that is unknown or has no area; sides that do not lie on each other node by node; an axis
-    /// along the cut.
+    /// along the cut; a contact there.
     pub fn new(model: &Model<D>, member: &Member<D>, bolt: &Bolt) -> Result<Self, MemberError> {
         let side = |end: usize| match &member.line.ends[end] {
             MemberEnd::Side(side) => Ok(side.clone()),
@@ -83,6 +84,7 @@ impl<const D: usize> LaidCut<D> {
                 return Err(MemberError::new("axis", message, "along the cut", ""));
             }
         };
+        kept_apart(model, &sides)?;
         let pairs = paired(model, &sides)?;
         let points = model.bodies[sides[0].body.0].mesh.points();
         let apart = pairs
@@ -148,6 +150,34 @@ impl<const D: usize> Face<D> {
             shares: sums.into_iter().map(|(node, n)| (node, n / area)).collect(),
         })
     }
+}
+
+/// Errors: a contact at a side of a cut, which would keep apart what the bolt draws together.
+fn kept_apart<const D: usize>(model: &Model<D>, sides: &[SideRef; 2]) -> Result<(), MemberError> {
+    let facets = |side: &SideRef| {
+        let mesh = &model.bodies[side.body.0].mesh;
+        let facets = mesh.side(&side.side).unwrap_or_default();
+        facets.iter().copied().collect::<BTreeSet<Facet>>()
+    };
+    let cut = sides.each_ref().map(|side| (side.body, facets(side)));
+    let touches = |side: &SideRef| {
+        let mut own = cut.iter().filter(|(body, _)| *body == side.body);
+        own.any(|(_, cut)| !cut.is_disjoint(&facets(side)))
+    };
+    let mut contacts = model.contacts.iter();
+    let Some(contact) = contacts.find(|contact| contact.pair.sides().into_iter().any(touches))
+    else {
+        return Ok(());
+    };
+    Err(MemberError::new(
+        "from",
+        format!(
+            "contact \"{}\" acts at its cut, whose sides it draws over each other",
+            contact.name
+        ),
+        "a side of a contact",
+        "leave the facets of the cut out of the contact; one that is found names its bodies, without both of these",
+    ))
 }
 
 /// The nodes of two sides, in pairs that lie on each other.
