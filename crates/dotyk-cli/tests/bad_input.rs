@@ -684,7 +684,7 @@ fn mesh_files_of_the_other_dimension_are_refused_at_their_place() {
             box_of,
             file("gmsh_nogroups_41.msh\""),
             "path",
-            "3D",
+            "a mesh of the plane",
         ),
         (
             GOOD_IN_SPACE,
