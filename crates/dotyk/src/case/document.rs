@@ -615,6 +615,28 @@ mod tests {
     }
 
     #[test]
+    fn the_keys_that_lead_to_an_error_are_told() {
+        let text = "title = 1\n[units]\nforce = 2\n[[body]]\nname = 'b'\nload = [{ side = 'a', traction = [0, 3] }, { side = 'c' }]\n\
+                    [[step]]\ntime = 4\n";
+        let way = |at: &str| {
+            let start = text.find(at).unwrap();
+            let error = CaseError {
+                span: Some(start..start + at.len()),
+                source_text: text.into(),
+                ..CaseError::unplaced("case.toml", "wrong")
+            };
+            error.way().join(", ")
+        };
+        assert_eq!(way("1"), "`title`");
+        assert_eq!(way("2"), "units, `force`");
+        assert_eq!(way("3"), "body `b`, load 1, `traction`");
+        assert_eq!(way("'c'"), "body `b`, load 2, `side`");
+        assert_eq!(way("{ side = 'c' }"), "body `b`, load 2");
+        assert_eq!(way("time"), "step, `time`");
+        assert_eq!(CaseError::unplaced("case.toml", "wrong").way(), [""; 0]);
+    }
+
+    #[test]
     fn an_error_in_an_expression_points_into_the_string() {
         let text = "a = \"1 + 2*)\"";
         let document = parse(text).unwrap();

@@ -8,7 +8,7 @@ use crate::case::contact::side_ref;
 use crate::case::document::{Node, Table, Value, later, name};
 use crate::case::error::Fault;
 use crate::case::keys;
-use crate::case::points::place;
+use crate::case::points::{named_body, place};
 use crate::case::steps::Steps;
 use crate::model::{
     Analysis, Body, BodyId, Bond, Line, Member, MemberEnd, MemberError, MemberKind, MemberWords,
@@ -158,11 +158,7 @@ fn bodies_of<const D: usize>(
     let mut found: Vec<BodyId> = Vec::new();
     for node in list {
         let text = node.text()?;
-        let Some(place) = bodies.iter().position(|body| body.name == text) else {
-            let fault = Fault::new(&node.span, format!("there is no body `{text}`"));
-            let names = bodies.iter().map(|body| body.name.as_str());
-            return Err(fault.nearest(text, ["the nearest known body", "bodies"], names));
-        };
+        let place = named_body(text, &node.span, bodies)?;
         if found.contains(&BodyId(place)) {
             let message = format!("{what} names the body `{text}` twice");
             return Err(Fault::new(&node.span, message).label("second time"));

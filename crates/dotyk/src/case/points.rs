@@ -96,12 +96,21 @@ pub(crate) fn of_body<'n, const D: usize>(
             .label("no dot")
             .help(format!("{what} is written {written}")));
     };
-    let Some(index) = bodies.iter().position(|b| b.name == body) else {
-        let names = bodies.iter().map(|b| b.name.as_str());
-        let fault = Fault::new(&node.span, format!("there is no body `{body}`"));
-        return Err(fault.nearest(body, ["the nearest known body", "bodies"], names));
-    };
-    Ok((index, word))
+    Ok((named_body(body, &node.span, bodies)?, word))
+}
+
+/// The body of a name that stands at a place.
+pub(crate) fn named_body<const D: usize>(
+    name: &str,
+    span: &Span,
+    bodies: &[Body<D>],
+) -> Result<usize, Fault> {
+    let found = bodies.iter().position(|body| body.name == name);
+    found.ok_or_else(|| {
+        let names = bodies.iter().map(|body| body.name.as_str());
+        let fault = Fault::new(span, format!("there is no body `{name}`"));
+        fault.nearest(name, ["the nearest known body", "bodies"], names)
+    })
 }
 
 /// The side or the points of a body with this name; empty without either.

@@ -4,7 +4,7 @@ use crate::case::body::side;
 use crate::case::document::{Node, Table, Value, coordinates, name};
 use crate::case::error::Fault;
 use crate::case::keys;
-use crate::case::points::place;
+use crate::case::points::{named_body, place};
 use crate::model::{Body, BodyId, Capacity, Reinforcement, Section, SectionError, Stations};
 use std::sync::Arc;
 
@@ -20,12 +20,7 @@ pub(crate) fn section<const D: usize>(
     let name = name(table.require("name", "a section")?)?;
     let what = format!("section `{name}`");
     let of = table.require("body", &what)?;
-    let text = of.text()?;
-    let Some(body) = bodies.iter().position(|body| body.name == text) else {
-        let fault = Fault::new(&of.span, format!("there is no body `{text}`"));
-        let names = bodies.iter().map(|body| body.name.as_str());
-        return Err(fault.nearest(text, ["the nearest known body", "bodies"], names));
-    };
+    let body = named_body(of.text()?, &of.span, bodies)?;
     let sides_node = table.require("sides", &what)?;
     let [first, second] = sides_node.list()? else {
         let message = format!("{what} needs two sides");

@@ -71,11 +71,8 @@ impl<const D: usize> Mesh<D> {
         let nodes = facets.iter().flat_map(|facet| self.facet_nodes(*facet));
         let nodes: BTreeSet<u32> = nodes.collect();
         let moved = self.ahead_of((facets, &partners), &nodes)?;
-        let fresh = |node: u32| {
-            let before = nodes.range(..node).count();
-            (self.points.len() + before) as u32
-        };
-        let renamed: BTreeMap<u32, u32> = nodes.iter().map(|&node| (node, fresh(node))).collect();
+        let fresh = self.points.len() as u32..;
+        let renamed: BTreeMap<u32, u32> = nodes.iter().copied().zip(fresh).collect();
         let copies: Vec<Point<D>> = nodes.iter().map(|&n| self.points[n as usize]).collect();
         for (block, cell) in moved {
             let count = self.blocks[block].kind.nodes();

@@ -3,10 +3,10 @@
 use crate::case::document::{Node, Table};
 use crate::case::error::Fault;
 use crate::case::members::end;
-use crate::case::points::place;
+use crate::case::points::{named_body, place};
 use crate::case::steps::Steps;
 use crate::geometry::{Point, padded, unit};
-use crate::mesh::MeshError;
+use crate::mesh::{Mesh, MeshError};
 use crate::model::{Body, BodyId, Bolt, Line, MemberEnd, SideRef};
 use std::sync::Arc;
 
@@ -77,15 +77,11 @@ pub(crate) fn line<const D: usize>(
         }
     }
     let text = entry.node.text()?;
-    let Some(of) = bodies.iter().position(|body| body.name == text) else {
-        let fault = Fault::new(&entry.node.span, format!("there is no body `{text}`"));
-        let names = bodies.iter().map(|body| body.name.as_str());
-        return Err(fault.nearest(text, ["the nearest known body", "bodies"], names));
-    };
+    let of = named_body(text, &entry.node.span, bodies)?;
     let node = table.require("at", what)?;
     let at = place(node, bodies)?;
     let across = table.require("axis", what)?.point()?;
-    let mesh = Arc::make_mut(&mut bodies[of].mesh);
+    let mesh = &bodies[of].mesh;
     let facets = mesh.across(at, across);
     if facets.is_empty() {
         let message = format!("the cut of {what} misses the cells of body `{text}`");
@@ -94,10 +90,8 @@ pub(crate) fn line<const D: usize>(
             .help("`at` is a point of the shank, with at least one layer of cells before and behind it along `axis`"));
     }
     let sides = ["behind", "ahead"].map(|end| format!("{name}-{end}"));
-    let cut = mesh
-        .clone()
-        .slit(&facets, sides.each_ref().map(String::as_str));
-    *mesh = cut.map_err(|error| {
+    let cut = Mesh::clone(mesh).slit(&facets, sides.each_ref().map(String::as_str));
+    let cut = cut.map_err(|error| {
         let help = match error {
             MeshError::CutEnds { .. } => {
                 "put `at` where the plane across `axis` cuts the shank alone"
@@ -108,6 +102,7 @@ pub(crate) fn line<const D: usize>(
             .label("cut here")
             .help(help)
     })?;
+    bodies[of].mesh = Arc::new(cut);
     let side = |side: &String| {
         MemberEnd::Side(SideRef {
             body: BodyId(of),

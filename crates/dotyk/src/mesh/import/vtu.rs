@@ -63,10 +63,10 @@ const LAGRANGE: [(i64, &[CellKind]); 6] = [
     (73, &[CellKind::Prism6]),
 ];
 
-/// VTK's numbers of cells along the axes, whose corners run in rows, and the place in the file of each corner.
-const ALONG_AXES: [(i64, CellKind, &[usize]); 2] = [
-    (8, CellKind::Quad4, &[0, 1, 3, 2]),
-    (11, CellKind::Hex8, &[0, 1, 3, 2, 4, 5, 7, 6]),
+/// VTK's numbers of cells along the axes, whose corners run in rows and not around: two of each row change places.
+const ALONG_AXES: [(i64, CellKind, &[[usize; 2]]); 2] = [
+    (8, CellKind::Quad4, &[[2, 3]]),
+    (11, CellKind::Hex8, &[[2, 3], [6, 7]]),
 ];
 
 /// The kind of a cell by VTK's number and its number of nodes.
@@ -91,13 +91,9 @@ fn known(number: i64, nodes: usize) -> Option<ElementType> {
 
 /// The nodes of a cell in our order, from those of the file.
 fn reorder(number: i64, nodes: &mut [u32]) {
-    let Some((_, _, order)) = ALONG_AXES.iter().find(|cell| cell.0 == number) else {
-        return;
-    };
-    let theirs = nodes.to_vec();
-    for (node, &place) in nodes.iter_mut().zip(*order) {
-        *node = theirs[place];
-    }
+    let along = ALONG_AXES.iter().find(|cell| cell.0 == number);
+    let swaps = along.into_iter().flat_map(|(_, _, swaps)| *swaps);
+    swaps.for_each(|&[a, b]| nodes.swap(a, b));
 }
 
 /// Whether the bytes look like a VTK file.

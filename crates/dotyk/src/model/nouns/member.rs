@@ -35,6 +35,9 @@ pub struct Line<const D: usize> {
     pub radius: Option<f64>,
 }
 
+/// The keys of the two ends in a case file.
+pub(crate) const ENDS: [&str; 2] = ["from", "to"];
+
 /// Where a member begins or ends.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MemberEnd<const D: usize> {

@@ -12,21 +12,23 @@
 //! supports hold at both nodes of a pair has no row.
 
 use crate::contact::{Coupling, Interface, InterfaceNode, frame};
-use crate::fem::{Constraints, show, side_points};
+use crate::fem::{Constraints, show};
 use crate::geometry::{Point, add_scaled, distance, dot, norm, unit};
 use crate::mesh::Facet;
 use crate::model::nouns::error::Error;
-use crate::model::nouns::ids::SideRef;
-use crate::model::nouns::member::{MemberEnd, MemberError};
+use crate::model::nouns::ids::{BodyId, SideRef};
+use crate::model::nouns::member::{ENDS, MemberEnd, MemberError};
 use crate::model::nouns::members::{Bolt, Drawn, Member};
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
 use crate::model::system::condition::{Condition, Source};
+use crate::model::system::face::Face;
 use crate::model::system::links::carrier;
 use crate::model::system::parts::Owner;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Nodes of the two sides lie on each other within this part of a facet.
 const SAME: f64 = 1e-4;
@@ -116,53 +118,19 @@ impl<const D: usize> LaidCut<D> {
     }
 }
 
-/// A side of a cut as a whole.
-struct Face<const D: usize> {
-    centre: Point<D>,
-    /// Mean outward normal, a unit vector where the side is plane.
-    normal: Point<D>,
-    shares: Vec<(usize, f64)>,
-}
-
-impl<const D: usize> Face<D> {
-    fn new(model: &Model<D>, side: &SideRef, end: usize) -> Result<Self, MemberError> {
-        let body = &model.bodies[side.body.0];
-        let fail = || {
-            let message = format!("its side \"{}\" is unknown, or has no area", side.side);
-            MemberError::new(ENDS[end], message, "no side to pull at", "")
-        };
-        let (mut area, mut centre, mut normal) = (0.0, [0.0; D], [0.0; D]);
-        let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
-        for place in side_points(body, &side.side, model.analysis).map_err(|_| fail())? {
-            area += place.area;
-            centre = add_scaled(centre, place.area, place.point);
-            normal = add_scaled(normal, place.area, place.normal);
-            for (node, n) in body.mesh.facet_nodes(place.facet).zip(place.shape) {
-                *sums.entry(node as usize).or_insert(0.0) += place.area * n;
-            }
-        }
-        if area <= 0.0 {
-            return Err(fail());
-        }
-        Ok(Self {
-            centre: centre.map(|c| c / area),
-            normal: normal.map(|c| c / area),
-            shares: sums.into_iter().map(|(node, n)| (node, n / area)).collect(),
-        })
-    }
-}
-
 /// Errors: a contact at a side of a cut, which would keep apart what the bolt draws together.
 fn kept_apart<const D: usize>(model: &Model<D>, sides: &[SideRef; 2]) -> Result<(), MemberError> {
     let facets = |side: &SideRef| {
         let mesh = &model.bodies[side.body.0].mesh;
-        let facets = mesh.side(&side.side).unwrap_or_default();
-        facets.iter().copied().collect::<BTreeSet<Facet>>()
+        mesh.side(&side.side).unwrap_or_default()
     };
-    let cut = sides.each_ref().map(|side| (side.body, facets(side)));
+    let cut: BTreeSet<(BodyId, Facet)> = sides
+        .iter()
+        .flat_map(|side| facets(side).iter().map(|facet| (side.body, *facet)))
+        .collect();
     let touches = |side: &SideRef| {
-        let mut own = cut.iter().filter(|(body, _)| *body == side.body);
-        own.any(|(_, cut)| !cut.is_disjoint(&facets(side)))
+        let mut own = facets(side).iter();
+        own.any(|facet| cut.contains(&(side.body, *facet)))
     };
     let mut contacts = model.contacts.iter();
     let Some(contact) = contacts.find(|contact| contact.pair.sides().into_iter().any(touches))
@@ -347,7 +315,7 @@ fn draw<const D: usize>(condition: &mut Condition<D>, laid: &LaidCut<D>, drawn: 
 pub(crate) fn keep<const D: usize>(
     bolt: &Bolt,
     condition: &mut Condition<D>,
-    moved: impl Fn(usize) -> Option<std::sync::Arc<[Point<D>]>>,
+    moved: impl Fn(usize) -> Option<Arc<[Point<D>]>>,
 ) {
     if !condition.steady.is_empty() || bolt.shortening.is_some() {
         return;
@@ -401,6 +369,3 @@ fn refused<const D: usize>(member: &Member<D>, source: MemberError) -> Error<D> 
         source,
     }
 }
-
-/// The keys of the ends.
-const ENDS: [&str; 2] = ["from", "to"];

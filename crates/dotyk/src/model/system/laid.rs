@@ -1,14 +1,15 @@
 //! Positions of members (`nouns/member.rs`): their points, and how these move with the bodies.
 
-use crate::fem::{Analysis, completed, side_points};
+use crate::fem::{Analysis, completed};
 use crate::geometry::{Point, add_scaled, distance, dot, sub};
 use crate::mesh::{Located, locate_all};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
-use crate::model::nouns::member::{Bond, MemberEnd, MemberError, MemberWords};
+use crate::model::nouns::member::{Bond, ENDS, MemberEnd, MemberError, MemberWords};
 use crate::model::nouns::members::Member;
 use crate::model::nouns::model::Model;
 use crate::model::system::bolt::LaidCut;
+use crate::model::system::face::Face;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
@@ -270,9 +271,6 @@ impl<const D: usize> Member<D> {
     }
 }
 
-/// The keys of the ends.
-const ENDS: [&str; 2] = ["from", "to"];
-
 /// A point this far outside of a cell, in its own coordinates, lies in it to rounding; up to the second distance it lies beside it.
 const IN_THE_CELL: f64 = 1e-6;
 const BESIDE_CELL: f64 = 0.02;
@@ -323,27 +321,11 @@ fn mean_of_side<const D: usize>(
     side: &SideRef,
     end: usize,
 ) -> Result<Anchor<D>, MemberError> {
-    let body = &model.bodies[side.body.0];
-    let fail = || {
-        let message = format!("its side \"{}\" is unknown, or has no area", side.side);
-        MemberError::new(ENDS[end], message, "no side to pull at", "")
-    };
-    let (mut area, mut centre) = (0.0, [0.0; D]);
-    let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
-    for place in side_points(body, &side.side, model.analysis).map_err(|_| fail())? {
-        area += place.area;
-        centre = add_scaled(centre, place.area, place.point);
-        for (node, n) in body.mesh.facet_nodes(place.facet).zip(place.shape) {
-            *sums.entry(node as usize).or_insert(0.0) += place.area * n;
-        }
-    }
-    if area <= 0.0 {
-        return Err(fail());
-    }
+    let face = Face::new(model, side, end)?;
     Ok(Anchor {
         body: side.body.0,
-        nodes: sums.into_iter().map(|(node, n)| (node, n / area)).collect(),
-        point: centre.map(|c| c / area),
+        nodes: face.shares,
+        point: face.centre,
     })
 }
 

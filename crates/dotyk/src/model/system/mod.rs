@@ -17,6 +17,7 @@ pub mod dependent;
 pub mod displaced;
 pub mod domains;
 pub mod drive;
+pub mod face;
 pub mod factor;
 pub mod floating;
 pub mod joints;
