@@ -289,12 +289,48 @@ pub fn list_motions<const D: usize>(motions: &[String]) -> String {
 }
 
 /// A rigid motion in words, from the displacement it gives every node: "translation along y", "rotation about (1, 2)", in
-/// space "rotation about z through (1, 2, 0)", or a screw, which moves along its axis, too.
+/// space "rotation about z through (1, 2, 0)", or a screw, which moves along its axis, too. Of a body in pieces it is that of those which
+/// move.
 pub fn describe_motion<const D: usize>(points: &[Point<D>], motion: &[Point<D>]) -> String {
+    let (centre, _) = middle(points);
+    let fit = fit_rigid(RigidBasis::Full, points, motion, centre);
+    let most = motion.iter().fold(0.0, |most: f64, u| most.max(norm(*u)));
+    let fits = |(&point, &u): (&Point<D>, &Point<D>)| {
+        norm(sub(u, moved_by(&fit, sub(point, centre)))) <= AT_REST * most
+    };
+    if points.iter().zip(motion).all(fits) {
+        return as_one(points, fit);
+    }
+    let both = points.iter().zip(motion);
+    let moving = both.filter(|(_, u)| norm(**u) > AT_REST * most);
+    let (points, motion): (Vec<Point<D>>, Vec<Point<D>>) = moving.unzip();
+    let (centre, _) = middle(&points);
+    let fit = fit_rigid(RigidBasis::Full, &points, &motion, centre);
+    format!("{} of a part of it", as_one(&points, fit))
+}
+
+/// Motions below this part of the largest one are none.
+const AT_REST: f64 = 1e-6;
+
+/// Centre and size of the box around some points.
+fn middle<const D: usize>(points: &[Point<D>]) -> (Point<D>, f64) {
     let (low, high) = bounding_box(points);
-    let centre: Point<D> = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
-    let size = norm(sub(high, low));
-    let (translation, spin) = fit_rigid(RigidBasis::Full, points, motion, centre);
+    let centre = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
+    (centre, norm(sub(high, low)))
+}
+
+/// The displacement of a rigid motion at x from its centre: t + ω × x.
+fn moved_by<const D: usize>((translation, spin): &(Point<D>, Vec<f64>), x: Point<D>) -> Point<D> {
+    let turned = cross(spin_in_space(spin), padded(x));
+    std::array::from_fn(|i| translation[i] + turned[i])
+}
+
+/// A rigid motion about the middle of some points, in words.
+fn as_one<const D: usize>(
+    points: &[Point<D>],
+    (translation, spin): (Point<D>, Vec<f64>),
+) -> String {
+    let (centre, size) = middle(points);
     let spin = spin_in_space(&spin);
     let turn = norm(spin);
     // a centre a thousand sizes away is useless

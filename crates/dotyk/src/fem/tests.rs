@@ -820,6 +820,8 @@ fn motions_are_told_in_words_and_by_their_numbers() {
     };
     assert_eq!(of(&|_| [3.0, 4.0]), "translation along (0.6, 0.8)");
     assert_eq!(of(&|_| [0.0, -2.0]), "translation along y");
+    let upper = |x: Point<2>| [0.0, if x[1] > 0.5 { 3.0 } else { 0.0 }];
+    assert_eq!(of(&upper), "translation along y of a part of it");
     let about = |centre: f64| of(&move |x| [-x[1], x[0] - centre]);
     assert_eq!(about(7.0), "rotation about (7, 0)");
     // about a centre more than a thousand sizes (√5) away

@@ -178,6 +178,35 @@ fn a_bar_aslant_has_the_tension_of_its_shortening() {
     assert!(cut.len() > 3);
 }
 
+/// A uniform shift along the radius is no motion of a body of revolution.
+#[test]
+fn with_axial_symmetry_a_bolt_is_drawn_along_the_axis() {
+    let text = |axis: &str| {
+        format!(
+            "analysis = \"axisymmetric\"\n[[body]]\nname = \"screw\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [1, 3], cells = [4, 6] }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\nfix = [{{ side = \"bottom\", y = 0 }}, {{ side = \"top\", y = 0 }}]\n\
+             [[bolt]]\nname = \"stud\"\nbody = \"screw\"\nat = [0.5, 1.5]\naxis = {axis}\nprestress = 5\n"
+        )
+    };
+    let stud = solved(&text("[0, -2]")).1;
+    let stud = stud[0].member("stud").unwrap();
+    near(stud.stations[0].force, 5.0, ROUNDING);
+    let area = std::f64::consts::PI;
+    near(
+        stud.shortening.unwrap(),
+        5.0 * 3.0 / (1000.0 * area),
+        ROUNDING,
+    );
+    for axis in ["[1, 0]", "[0.01, 1]"] {
+        let error = refused(&text(axis));
+        assert!(
+            error.message.contains("along the axis of symmetry"),
+            "{error}"
+        );
+    }
+}
+
 /// Else the contact would bear the prestress, and nothing would be tightened.
 #[test]
 fn a_contact_at_the_cut_is_refused() {

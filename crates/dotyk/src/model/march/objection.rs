@@ -107,7 +107,7 @@ fn turned<const D: usize>(
         let strain = left.fold(0.0, f64::max) / body.mesh.diameter();
         (turn > UNDRIVEN * strain).then(|| Objection::Turned {
             body: body.name.clone(),
-            motion: describe_motion(points, &state.u),
+            motion: describe_motion(points, &points.iter().map(rigid).collect::<Vec<_>>()),
             turn,
         })
     })

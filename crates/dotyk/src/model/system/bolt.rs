@@ -12,7 +12,7 @@
 //! supports hold at both nodes of a pair has no row.
 
 use crate::contact::{Coupling, Interface, InterfaceNode, frame};
-use crate::fem::{Constraints, show};
+use crate::fem::{Analysis, Constraints, show};
 use crate::geometry::{Point, add_scaled, distance, dot, norm, unit};
 use crate::mesh::Facet;
 use crate::model::nouns::error::Error;
@@ -23,7 +23,7 @@ use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
 use crate::model::system::condition::{Condition, Source};
 use crate::model::system::face::Face;
-use crate::model::system::links::carrier;
+use crate::model::system::links::{axis, carrier};
 use crate::model::system::parts::Owner;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -63,7 +63,7 @@ impl<const D: usize> LaidCut<D> {
     /// The cut of a member that is a bolt.
     ///
     /// Errors: ends that are not sides; a side that is unknown or has no area; sides that do not lie on each other node by node; an axis
-    /// along the cut; a contact there.
+    /// along the cut, or with axial symmetry not along that of symmetry; a contact there.
     pub fn new(model: &Model<D>, member: &Member<D>, bolt: &Bolt) -> Result<Self, MemberError> {
         let side = |end: usize| match &member.line.ends[end] {
             MemberEnd::Side(side) => Ok(side.clone()),
@@ -76,7 +76,13 @@ impl<const D: usize> LaidCut<D> {
         let [behind, ahead] = [0, 1].map(|end| Face::new(model, &sides[end], end));
         let (behind, ahead) = (behind?, ahead?);
         let given = bolt.axis.map(|axis| std::array::from_fn(|d| axis[d]));
-        let through = given.or(Some(behind.normal)).and_then(unit);
+        let axial = model.analysis == Analysis::Axisymmetric;
+        let normal = if axial { axis(1) } else { behind.normal };
+        let through = unit(given.unwrap_or(normal));
+        if axial && through.is_some_and(|through| through[0].abs() > ACROSS) {
+            let message = "with axial symmetry a bolt is drawn along the axis of symmetry, y";
+            return Err(MemberError::new("axis", message, "not along y", ""));
+        }
         let tilt = through.map_or(0.0, |axis| dot(axis, behind.normal));
         let along = match through {
             Some(axis) if tilt >= LEAST_ALONG => axis,
