@@ -8,6 +8,9 @@
 //!
 //! The sides of the cut move relative to each other by one shift along the axis, and as one body otherwise: a shank of the length L − s
 //! stands in the place of one of the length L. Tension is positive whatever the direction of the axis.
+//!
+//! Units: s a length; the prestress a force, that of the whole cut: in the plane of the thickness, with axial symmetry of the full turn,
+//! in a model that is cut by symmetry of its part.
 
 use crate::dual::Block;
 use crate::fem::Active;
