@@ -108,6 +108,7 @@ pub fn weld(model: &Model<2>) -> Result<Body<2>, String> {
         loads: [first, second].into_iter().flat_map(loads).collect(),
         formulation: Default::default(),
         couples: Vec::new(),
+        cyclic: None,
         surfaces: Default::default(),
         points: Default::default(),
     })

@@ -2,7 +2,7 @@
 
 use crate::bodies::{Bodies, Body};
 use crate::course::{active, expression, quoted, stretches};
-use crate::deck::{Adjust, Coupling, Deck, Face, Index, Interaction, Motion, Pair};
+use crate::deck::{Adjust, Coupling, Cyclic, Deck, Face, Index, Interaction, Motion, Pair};
 use crate::error::Fault;
 use crate::lines::{Place, folded};
 use crate::msh::Groups;
@@ -88,6 +88,7 @@ struct Entries {
     load: Vec<(Place, String)>,
     couple: Vec<(Place, String)>,
     points: Vec<(Place, String)>,
+    cyclic: Option<(Place, String)>,
 }
 
 impl<'d> Writer<'d> {
@@ -124,6 +125,7 @@ impl<'d> Writer<'d> {
         writer.supports(&mut entries)?;
         writer.forces(&mut entries)?;
         writer.pressures(&mut entries)?;
+        writer.sectors(&mut entries)?;
         for (index, own) in entries.into_iter().enumerate() {
             writer.body(index, file, own)?;
         }
@@ -683,6 +685,9 @@ impl<'d> Writer<'d> {
                 &format!("points = {{ {} }}", points.join(", ")),
             );
         }
+        if let Some((place, cyclic)) = &entries.cyclic {
+            text.line(*place, &format!("cyclic = {cyclic}"));
+        }
         text.list(place, "couple", &entries.couple);
         text.list(place, "fix", &entries.fix);
         text.list(place, "load", &entries.load);
@@ -1027,6 +1032,52 @@ impl<'d> Writer<'d> {
                 });
             }
         }
+    }
+
+    /// The faces of bodies that are sectors.
+    fn sectors(&mut self, entries: &mut [Entries]) -> Result<(), Fault> {
+        let cyclic = std::mem::take(&mut self.deck.cyclic);
+        for Cyclic { tie, model } in &cyclic {
+            let fault = |message: String| Fault::new(tie.place, "TIE", message);
+            let Some((sectors, [point, end])) = model else {
+                return Err(fault(format!(
+                    "*CYCLIC SYMMETRY MODEL, TIE={} is missing: it has the number of sectors and the axis",
+                    tie.name
+                )));
+            };
+            let to = self.faces_of(&tie.slave, tie.place, "TIE")?;
+            let from = self.faces_of(&tie.master, tie.place, "TIE")?;
+            for body in to.keys().chain(from.keys()) {
+                let name = &self.bodies.list[*body].name;
+                let (Some(to), Some(from)) = (to.get(body), from.get(body)) else {
+                    return Err(fault(format!(
+                        "body {name} has one of its two surfaces alone: a sector has both of its faces, and is one body where its elements share nodes"
+                    )));
+                };
+                let along: Vec<f64> = (0..3).map(|d| end[d] - point[d]).collect();
+                let axes = self.axes();
+                if axes == 2 && (along[0], along[1]) != (0.0, 0.0) {
+                    return Err(fault("the axis of a plane sector is along z".to_string()));
+                }
+                let axis = match axes {
+                    2 => String::new(),
+                    _ => format!(", axis = {}", list(&along)),
+                };
+                let point = list(&point[..axes]);
+                let keys = format!(
+                    "{{ from = \"{from}\", to = \"{to}\", sectors = {sectors}, point = {point}{axis} }}"
+                );
+                let known = &mut entries[*body].cyclic;
+                if known.as_ref().is_some_and(|(_, known)| *known != keys) {
+                    return Err(fault(format!(
+                        "body {name} is a sector already: one *TIE has both of its faces, whole"
+                    )));
+                }
+                *known = Some((tie.place, keys));
+            }
+        }
+        self.deck.cyclic = cyclic;
+        Ok(())
     }
 
     fn ties(&mut self) -> Result<(), Fault> {

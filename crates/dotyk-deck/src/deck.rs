@@ -103,6 +103,14 @@ pub(crate) struct Tie {
     pub tolerance: Option<f64>,
 }
 
+/// A cyclic symmetry: a tie whose first surface moves as the second does, turned.
+#[derive(Debug)]
+pub(crate) struct Cyclic {
+    pub tie: Tie,
+    /// Number of sectors and two points of the axis; `None` until its *CYCLIC SYMMETRY MODEL is read.
+    pub model: Option<(u64, [[f64; 3]; 2])>,
+}
+
 /// How a set of nodes moves with a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Motion {
@@ -169,6 +177,7 @@ pub(crate) struct Deck {
     pub interactions: BTreeMap<String, Interaction>,
     pub pairs: Vec<Pair>,
     pub ties: Vec<Tie>,
+    pub cyclic: Vec<Cyclic>,
     pub couplings: Vec<Coupling>,
     pub pretensions: Vec<PreTension>,
     /// What the elements of surfaces of pre-tension sections have instead of the nodes there.

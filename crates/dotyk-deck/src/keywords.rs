@@ -282,7 +282,7 @@ pub(crate) const KEYWORDS: &[Entry] = &[
     (
         "CYCLIC SYMMETRY MODEL",
         &["N", "NGRAPH", "TIE", "ELSET", "CHECK"],
-        Refused("not supported yet: model the whole, or a sector between planes of symmetry"),
+        Read,
     ),
     (
         "TRANSFORM",

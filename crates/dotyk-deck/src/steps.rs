@@ -301,6 +301,7 @@ impl Reader<'_> {
             "CONTACT PAIR" => self.pair(card),
             "CLEARANCE" => self.clearance(card),
             "TIE" => self.tie(card),
+            "CYCLIC SYMMETRY MODEL" => self.cyclic(card),
             "COUPLING" => self.coupling(card, next),
             "KINEMATIC" | "DISTRIBUTING" => self.motion(card),
             "RIGID BODY" => self.rigid(card),
@@ -566,9 +567,9 @@ impl Reader<'_> {
 
     fn tie(&mut self, card: &Card) -> Result<(), Fault> {
         let name = card.get("NAME").unwrap_or("tie").to_string();
-        for word in ["CYCLIC SYMMETRY", "MULTISTAGE", "FLUID PERIODIC"] {
+        for word in ["MULTISTAGE", "FLUID PERIODIC"] {
             if card.get(word).is_some() {
-                return Err(card.fault(format!("{word} is not supported: model the whole, or a sector between planes of symmetry")));
+                return Err(card.fault(format!("{word} is not supported")));
             }
         }
         if card
@@ -585,17 +586,54 @@ impl Reader<'_> {
         let tolerance = tolerance.transpose()?;
         for row in &card.rows {
             let (slave, master) = (self.surface(card, row, 0)?, self.surface(card, row, 1)?);
-            self.deck.ties.push(Tie {
+            let tie = Tie {
                 place: row.place,
                 name: name.clone(),
                 slave,
                 master,
                 tolerance,
-            });
+            };
+            match card.get("CYCLIC SYMMETRY") {
+                Some(_) => self.deck.cyclic.push(Cyclic { tie, model: None }),
+                None => self.deck.ties.push(tie),
+            }
         }
         match card.rows.is_empty() {
             true => Err(card.fault("the line with the two surfaces is missing")),
             false => Ok(()),
+        }
+    }
+
+    /// Gives a cyclic tie its number of sectors and its axis.
+    fn cyclic(&mut self, card: &Card) -> Result<(), Fault> {
+        let text = self.named(card, "N")?;
+        let sectors = text.parse::<u64>().ok().filter(|sectors| *sectors > 1);
+        let Some(sectors) = sectors else {
+            return Err(card.fault(format!("N={text} is no number of sectors: 2 or more")));
+        };
+        let Some(row) = card.rows.first() else {
+            return Err(card.fault("the line with two points of the axis is missing"));
+        };
+        let mut axis = [[0.0; 3]; 2];
+        for (k, value) in axis.as_flattened_mut().iter_mut().enumerate() {
+            *value = row.number(card, k, "a coordinate of the axis")?;
+        }
+        if axis[0] == axis[1] {
+            return Err(card.fault_at(row.place, "the two points of the axis are the same"));
+        }
+        let tie = card.get("TIE").map(folded);
+        let meant = |cyclic: &&mut Cyclic| match &tie {
+            Some(name) => folded(&cyclic.tie.name) == *name,
+            None => cyclic.model.is_none(),
+        };
+        let mut found = 0;
+        for cyclic in self.deck.cyclic.iter_mut().filter(meant) {
+            cyclic.model = Some((sectors, axis));
+            found += 1;
+        }
+        match found {
+            0 => Err(card.fault("there is no *TIE, CYCLIC SYMMETRY of this name above")),
+            _ => Ok(()),
         }
     }
 

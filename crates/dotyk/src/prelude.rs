@@ -6,6 +6,7 @@ pub use crate::mesh::{
     Outline, OutlineEdge, Rectangle, Ring, SizePoint, TunnelRock,
 };
 pub use crate::model::{
-    Along, Analysis, BodyId, Bolts, Contact, Couple, CoupleKind, Elastic, Error, Finding, Gap,
-    Load, Method, Model, Place, Probe, Reading, SideRef, Solution, SolverOptions, Status, Support,
+    Along, Analysis, BodyId, Bolts, Contact, Couple, CoupleKind, Cyclic, Elastic, Error, Finding,
+    Gap, Load, Method, Model, Place, Probe, Reading, SideRef, Solution, SolverOptions, Status,
+    Support,
 };

@@ -184,6 +184,25 @@ class Body:
         return self._add("couple", {k: v for k, v in locals().items() if k != "self"})
 
     @keywords
+    def cyclic(
+        self,
+        from_: str | Sequence[str],
+        to: str | Sequence[str],
+        sectors: int | str,
+        point: Vector | None = None,
+        axis: Sequence[float] | None = None,
+    ) -> Body:
+        """Makes the body one of equal sectors of a turn, with these two faces, about an axis (3D) or a point.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> disc = m.body("disc", dotyk.ring(1, 2, from_=0, to=30, cells=[4, 4]), young=1, poisson=0.3)
+        >>> _ = disc.cyclic("start", "end", sectors=12)
+        """
+        given = {"from": from_, "to": to, "sectors": sectors, "point": point, "axis": axis}
+        return self._set("cyclic", {key: value for key, value in given.items() if value is not None})
+
+    @keywords
     def body_force(self, force: Vector) -> Body:
         """Force per volume, such as gravity.
 
@@ -399,6 +418,7 @@ class Model:
         spring: Sequence[Table] | None = None,
         load: Sequence[Table] | None = None,
         couple: Sequence[Table] | None = None,
+        cyclic: Table | None = None,
         body_force: Vector | None = None,
         initial_stress: Table | None = None,
         initial_strain: Table | None = None,

@@ -1,6 +1,7 @@
 //! `[[body]]` of a case file: mesh, material, supports, loads.
 
 use crate::case::couple::Couples;
+use crate::case::cyclic::cyclic;
 use crate::case::document::{AXES, Node, Span, Table, Value, later, name, zero};
 use crate::case::error::Fault;
 use crate::case::initial::initial;
@@ -67,6 +68,9 @@ where
     });
     let loads: Vec<_> = loads.collect::<Result<_, _>>()?;
     let body_force = table.get("body_force").map_or(Ok(zero()), Node::fields)?;
+    let sector = table.get("cyclic");
+    let sector = sector.map(|node| cyclic(node, &body_name, &mut mesh, analysis));
+    let cyclic = sector.transpose()?;
     let surfaces = table.get("surface").map_or(Ok(&[][..]), Node::entries)?;
     let surfaces = surfaces.iter().map(|entry| {
         known_side(&entry.key, &entry.key_span, &body_name, &mesh)?;
@@ -90,6 +94,7 @@ where
         springs: springs.concat(),
         loads: loads.concat(),
         couples,
+        cyclic,
         surfaces,
         points,
     })

@@ -48,6 +48,7 @@ pub const BODY: &[&str] = &[
     "spring",
     "load",
     "couple",
+    "cyclic",
     "body_force",
     "initial_stress",
     "initial_strain",
@@ -55,6 +56,8 @@ pub const BODY: &[&str] = &[
     "surface",
     "points",
 ];
+/// `cyclic` of a body.
+pub const CYCLIC: &[&str] = &["from", "to", "sectors", "point", "axis"];
 /// `mesh` of a body.
 pub const MESH: &[&str] = &[
     "rectangle",

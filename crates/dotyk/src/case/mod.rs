@@ -7,6 +7,7 @@
 mod body;
 mod contact;
 mod couple;
+mod cyclic;
 mod document;
 mod error;
 mod expression;

@@ -77,6 +77,36 @@ pub enum FemError {
         /// Where.
         point: String,
     },
+    /// The faces of a sector are not the same.
+    #[error(
+        "cyclic: side \"{from}\" turned by 360/{sectors} degrees about {axis} does not lie on side \"{to}\": {why}; name the two faces that bound the sector, and its axis"
+    )]
+    Unlike {
+        /// One face.
+        from: String,
+        /// The other.
+        to: String,
+        /// Number of sectors.
+        sectors: usize,
+        /// A point of the axis.
+        axis: String,
+        /// What differs.
+        why: String,
+    },
+    /// Supports hold the faces of a sector in ways that differ.
+    #[error(
+        "cyclic: at {point} supports of side \"{to}\" prescribe another displacement than those of side \"{from}\" after the turn (off by {}); hold one of the two faces, or both alike", Short(*.off)
+    )]
+    HeldApart {
+        /// One face.
+        from: String,
+        /// The other.
+        to: String,
+        /// Where.
+        point: String,
+        /// The difference.
+        off: f64,
+    },
     /// Two supports prescribe different values for the same displacement.
     #[error(
         "node {node} at {point}: the supports {first} and {second} prescribe contradictory displacements there ({} and {}); remove one of the two, or make them agree", Short(*.a), Short(*.b)

@@ -14,6 +14,7 @@ mod borders;
 mod cells;
 mod couple;
 mod cut;
+mod cyclic;
 mod elasticity;
 mod enhanced;
 mod error;
@@ -40,6 +41,7 @@ pub(crate) use assemble::{ALONG, assemble_after, completed, largest_coefficient}
 pub use assemble::{BodySystem, assemble};
 pub use borders::Borders;
 pub use couple::{Couple, CoupleKind};
+pub use cyclic::Cyclic;
 pub use error::FemError;
 pub use initial::{Components, Initial, NAMES as COMPONENTS};
 pub use loads::{Amount, Load};
@@ -56,6 +58,7 @@ pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use cells::measure;
 pub(crate) use cut::{Ahead, Push};
+pub(crate) use cyclic::Turn;
 pub(crate) use enhanced::has_modes;
 pub(crate) use error::{Short, show};
 pub(crate) use initial::{OutOfBalance, out_of_balance, tilted};

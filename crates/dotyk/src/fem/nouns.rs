@@ -1,6 +1,7 @@
 //! Description of one elastic body: material, supports; its loads have a file of their own.
 
 use crate::fem::couple::Couple;
+use crate::fem::cyclic::Cyclic;
 use crate::fem::initial::Initial;
 use crate::fem::loads::Load;
 use crate::fem::plastic::{Plastic, Yielded};
@@ -224,6 +225,8 @@ pub struct Body<const D: usize> {
     pub loads: Vec<Load<D>>,
     /// Sides that move with a reference point.
     pub couples: Vec<Couple<D>>,
+    /// What it is a sector of.
+    pub cyclic: Option<Cyclic<D>>,
     /// True surface behind a side, for contact gaps and normals, instead of the one that the mesh may know; `None`: its facets are
     /// the true surface.
     pub surfaces: BTreeMap<String, Option<Surface<D>>>,
@@ -248,6 +251,7 @@ impl<const D: usize> Body<D> {
             loads: Vec::new(),
             formulation: Formulation::default(),
             couples: Vec::new(),
+            cyclic: None,
             surfaces: BTreeMap::new(),
             points: BTreeMap::new(),
         }

@@ -4,9 +4,18 @@ use flate2::write::ZlibEncoder;
 use flate2::{Compression, Crc};
 use std::io::Write;
 
-/// A zlib stream.
-pub fn zlib(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+/// A zlib stream, small.
+fn zlib(bytes: &[u8]) -> Vec<u8> {
+    zlib_at(Compression::default(), bytes)
+}
+
+/// A zlib stream, made fast: the digits of computed numbers hardly repeat, and more effort makes them no smaller.
+pub fn zlib_fast(bytes: &[u8]) -> Vec<u8> {
+    zlib_at(Compression::fast(), bytes)
+}
+
+fn zlib_at(effort: Compression, bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), effort);
     // A Vec takes every byte.
     let _ = encoder.write_all(bytes);
     encoder.finish().unwrap_or_default()

@@ -56,6 +56,7 @@ use crate::dual::Multipliers;
 use crate::geometry::Point;
 use crate::host::peak_memory_bytes;
 use crate::model::{Check, Comparison, Dual, MemberKind, Model, Past, Seconds, Solution, Study};
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -386,9 +387,14 @@ fn write<const D: usize>(record: &Record<'_, D>, folder: &Folder) -> Result<Writ
     let mut stage = Stage::open(folder)?;
     let several = model.times.len().max(steps.len()) > 1;
     for (step, (solution, model)) in steps.iter().zip(&run.stages).enumerate() {
-        for (i, body) in model.bodies.iter().enumerate() {
-            let name = vtu::file_name(&body.name, step, several);
-            stage.put(&name, vtu::body_vtu(model, solution, i).as_bytes())?;
+        let bodies: Vec<usize> = (0..model.bodies.len()).collect();
+        // side by side, but no more of them in memory than that takes
+        for some in bodies.chunks(rayon::current_num_threads()) {
+            let files = some.par_iter().map(|&i| vtu::body_vtu(model, solution, i));
+            for (&i, file) in some.iter().zip(files.collect::<Vec<_>>()) {
+                let name = vtu::file_name(&model.bodies[i].name, step, several);
+                stage.put(&name, file.as_bytes())?;
+            }
         }
     }
     for (step, solution) in steps.iter().enumerate() {

@@ -20,11 +20,12 @@ use crate::mesh::Mesh;
 use crate::model::{
     Analysis, BodyField, BodySolution, Law, Model, On, OnSide, Shape, Solution, Status,
 };
-use crate::output::encode::zlib;
+use crate::output::encode::zlib_fast;
 use crate::output::markup::{Markup, markup};
 use crate::output::text::{AXES, Labels};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -398,7 +399,7 @@ fn integers(out: &mut String, name: &str, values: &[i64]) {
 
 /// One data array, of vectors where its components have names: a header of (blocks, block size, last block size, compressed sizes..), then the blocks.
 fn array(out: &mut String, kind: &str, name: &str, components: &[&str], bytes: &[u8]) {
-    let blocks: Vec<Vec<u8>> = bytes.chunks(BLOCK).map(zlib).collect();
+    let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(zlib_fast).collect();
     let mut header = vec![
         blocks.len() as u64,
         BLOCK as u64,
@@ -417,10 +418,11 @@ fn array(out: &mut String, kind: &str, name: &str, components: &[&str], bytes: &
     }
     let _ = writeln!(
         out,
-        "<DataArray type=\"{kind}\" Name=\"{name}\"{named} format=\"binary\">\n{}{}\n</DataArray>",
-        STANDARD.encode(&header),
-        STANDARD.encode(blocks.concat())
+        "<DataArray type=\"{kind}\" Name=\"{name}\"{named} format=\"binary\">"
     );
+    STANDARD.encode_string(header, out);
+    STANDARD.encode_string(blocks.concat(), out);
+    out.push_str("\n</DataArray>\n");
 }
 
 #[cfg(test)]

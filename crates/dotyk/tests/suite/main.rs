@@ -9,6 +9,7 @@ mod bolts;
 mod checks;
 mod cohesion;
 mod couple;
+mod cyclic;
 mod determinism;
 mod drawing;
 mod examples;

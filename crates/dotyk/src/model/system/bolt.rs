@@ -13,7 +13,7 @@
 
 use crate::contact::{Coupling, Interface, InterfaceNode, frame};
 use crate::fem::{Analysis, Constraints, show};
-use crate::geometry::{Point, add_scaled, distance, dot, norm, unit};
+use crate::geometry::{Point, distance, dot, unit};
 use crate::mesh::Facet;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
@@ -21,26 +21,19 @@ use crate::model::nouns::member::{ENDS, MemberEnd, MemberError};
 use crate::model::nouns::members::{Bolt, Drawn, Member};
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
+use crate::model::system::coincident::{SAME, coincident, largest_facet, placed, spans};
 use crate::model::system::condition::{Condition, Source};
 use crate::model::system::face::Face;
 use crate::model::system::links::{axis, carrier};
 use crate::model::system::parts::Owner;
-use rstar::RTree;
-use rstar::primitives::GeomWithData;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-
-/// Nodes of the two sides lie on each other within this part of a facet.
-const SAME: f64 = 1e-4;
 
 /// Directions with no larger part along the axis are across it.
 const ACROSS: f64 = 1e-6;
 
 /// The least part of the normal of a cut along its axis.
 const LEAST_ALONG: f64 = 0.1;
-
-/// Directions are held if supports hold all of them but this part.
-const HELD: f64 = 1e-9;
 
 /// The cut of a bolt in its place.
 #[derive(Debug, Clone)]
@@ -161,45 +154,17 @@ fn paired<const D: usize>(
     model: &Model<D>,
     sides: &[SideRef; 2],
 ) -> Result<Vec<[usize; 2]>, MemberError> {
-    let [own, other] = [0, 1].map(|end| {
-        let mesh = &model.bodies[sides[end].body.0].mesh;
-        let nodes = mesh.side_nodes(&sides[end].side).unwrap_or_default();
-        let placed = nodes.into_iter().map(|node| {
-            let node = node as usize;
-            GeomWithData::new(mesh.points()[node], node)
-        });
-        placed.collect::<Vec<_>>()
-    });
-    let mesh = &model.bodies[sides[0].body.0].mesh;
-    let facets = mesh.side(&sides[0].side).unwrap_or_default().iter();
-    let largest = facets.fold(0.0, |most: f64, facet| most.max(mesh.facet_length(*facet)));
-    let apart = |point: &Point<D>| {
-        let at = point.map(|c| c.to_string()).join(", ");
+    let mesh = |end: usize| &model.bodies[sides[end].body.0].mesh;
+    let [own, other] = [0, 1].map(|end| placed(mesh(end), &sides[end].side));
+    let within = SAME * largest_facet(mesh(0), &sides[0].side);
+    coincident([&own, &other], within).map_err(|place| {
+        let at = place.map(|c| c.to_string()).join(", ");
         let message = format!(
             "its two sides are not those of a cut: the node at ({at}) of one has no partner on the other"
         );
         let help = "cut a body by `body` and `at`, or mesh both sides with the same facets";
         MemberError::new("to", message, "other nodes", help)
-    };
-    let tree = RTree::bulk_load(other.clone());
-    let partner = |node: &GeomWithData<Point<D>, usize>| {
-        let near = tree.nearest_neighbor(*node.geom());
-        let near = near.filter(|near| distance(*near.geom(), *node.geom()) <= SAME * largest);
-        let near = near.ok_or_else(|| apart(node.geom()))?;
-        Ok([node.data, near.data])
-    };
-    let pairs = own.iter().map(partner).collect::<Result<Vec<_>, _>>()?;
-    let mut met: Vec<usize> = pairs.iter().map(|pair| pair[1]).collect();
-    met.sort_unstable();
-    met.dedup();
-    let unmet = other
-        .iter()
-        .find(|node| met.binary_search(&node.data).is_err());
-    match unmet.filter(|_| met.len() != other.len()) {
-        Some(node) => Err(apart(node.geom())),
-        None if met.len() != pairs.len() => Err(apart(own[0].geom())),
-        None => Ok(pairs),
-    }
+    })
 }
 
 /// The condition of a bolt by its place in the model, at a time.
@@ -257,7 +222,7 @@ pub(crate) fn drawn_together<const D: usize>(
             interface.mortar.push(beyond);
             if held
                 .iter()
-                .all(|held| holds(held.iter().map(|held| held.axis), axis))
+                .all(|held| spans(held.iter().map(|held| held.axis), axis))
             {
                 held_rows.push(row);
             }
@@ -290,17 +255,9 @@ fn stuck<const D: usize>(laid: &LaidCut<D>, constraints: &[&Constraints<D>]) -> 
     let pair = pairs.find(|[own, other]| {
         let beyond = || ahead.at(*other).iter().map(|held| held.axis);
         let mut both = behind.at(*own).iter().map(|held| held.axis);
-        both.any(|axis| dot(axis, laid.along).abs() > ACROSS && holds(beyond(), axis))
+        both.any(|axis| dot(axis, laid.along).abs() > ACROSS && spans(beyond(), axis))
     });
     pair.map(|[own, _]| *own)
-}
-
-/// Whether unit vectors at right angles to each other span a direction.
-fn holds<const D: usize>(held: impl Iterator<Item = Point<D>>, direction: Point<D>) -> bool {
-    let rest = held.fold(direction, |rest, axis| {
-        add_scaled(rest, -dot(direction, axis), axis)
-    });
-    norm(rest) <= HELD
 }
 
 /// Sets what acts on the sides of a cut.

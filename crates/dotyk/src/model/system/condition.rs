@@ -62,7 +62,7 @@ impl Source {
 pub(crate) struct Condition<const D: usize> {
     /// Its source.
     pub source: Source,
-    /// Its name; of a couple "BODY.POINT", of a bed "spring of BODY.SIDE".
+    /// Its name; of a couple "BODY.POINT", of a bed "spring of BODY.SIDE", of a sector "cyclic symmetry of BODY".
     pub name: String,
     /// Side that carries the multipliers.
     pub nonmortar: SideRef,
@@ -218,7 +218,7 @@ impl<const D: usize> Condition<D> {
         let kind = match (self.source, self.source.couple(model)) {
             (_, Some(CoupleKind::Rigid)) => "rigid couple",
             (_, Some(CoupleKind::Average)) => "average couple",
-            (Source::Of(Owner::Bed(..)), None) => return self.name.clone(),
+            (Source::Of(Owner::Bed(..) | Owner::Body(_)), None) => return self.name.clone(),
             (source, None) => source.kind(model),
         };
         format!("{kind} \"{}\"", self.name)

@@ -1,5 +1,5 @@
-//! All conditions of a stage, in one order: contacts, then the connections of the parts that are not bodies, in the order of these,
-//! then bolts.
+//! All conditions of a stage, in one order: contacts, then those of the parts in the order of these, bodies that are sectors before all
+//! others, then bolts.
 
 use crate::fem::Constraints;
 use crate::model::nouns::error::Error;
@@ -10,6 +10,7 @@ use crate::model::system::bolt::drawn_together;
 use crate::model::system::condition::{Condition, Source};
 use crate::model::system::contact::{contact_gaps, touching};
 use crate::model::system::couple::{check_held, coupling};
+use crate::model::system::cyclic::{check_faces, repeated};
 use crate::model::system::laid::lay_members;
 use crate::model::system::member::pulling;
 use crate::model::system::parts::{Owner, Parts};
@@ -31,8 +32,12 @@ pub(crate) fn all_conditions<const D: usize>(
     let laid = lay_members(model)?;
     for (part, owner) in parts.iter() {
         conditions.push(match owner {
-            // these parts belong to contacts
-            Owner::Body(_) | Owner::Obstacle(_) => continue,
+            Owner::Body(of) => match &model.bodies[of].cyclic {
+                Some(cyclic) => repeated(model, constraints[of], of, cyclic)?,
+                None => continue,
+            },
+            // this part belongs to a contact
+            Owner::Obstacle(_) => continue,
             Owner::Point(of, place) => coupling(model, constraints[of], ((of, place), part), time)?,
             Owner::Bed(of, place) => bedded(model, (of, place), part)?,
             Owner::Member(place) => pulling(stage, (place, &laid[place]), part),
@@ -64,9 +69,15 @@ pub(crate) fn take_gaps<const D: usize>(
             &condition.interface,
             time,
         ),
-        Source::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Bed(..) | Owner::Member(_)) => {
-            Ok(())
+        Source::Of(Owner::Body(of)) => {
+            let body = &model.bodies[of];
+            let Some(cyclic) = &body.cyclic else {
+                return Ok(());
+            };
+            check_faces(body, cyclic, constraints[of], &condition.interface)
+                .map_err(|source| Error::in_body(body, source))
         }
+        Source::Of(Owner::Obstacle(_) | Owner::Bed(..) | Owner::Member(_)) => Ok(()),
     };
     let taken: Vec<_> = conditions.par_iter_mut().map(take).collect();
     // of several errors the first one, whatever thread was faster

@@ -43,7 +43,7 @@ pub(crate) fn same_conditions<const D: usize>(a: &Model<D>, b: &Model<D>) -> boo
         parameters: _,
     } = a;
     let body = |a: &Body<D>, b: &Body<D>| {
-        (&a.name, &a.surfaces) == (&b.name, &b.surfaces)
+        (&a.name, &a.surfaces, &a.cyclic) == (&b.name, &b.surfaces, &b.cyclic)
             && all(&a.couples, &b.couples, same_couple)
             && same_stiffness(a, b)
     };
@@ -65,6 +65,7 @@ pub(crate) fn same_stiffness<const D: usize>(a: &Body<D>, b: &Body<D>) -> bool {
         // fields of conditions
         name: _,
         couples: _,
+        cyclic: _,
         surfaces: _,
         points: _,
         // what drives
