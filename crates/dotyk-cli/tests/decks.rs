@@ -58,6 +58,7 @@ fn answers_are_those_of_calculix_where_elements_are_the_same() {
         ("strain8", 1e-6),
         ("ring8", 2e-4),
         ("bolt8", 1e-5),
+        ("sector4", 1e-6),
     ];
     for (name, tolerance) in within {
         let deck = format!("{name}.inp");

@@ -45,7 +45,7 @@ _LISTS = (*_PARTS, "step", "probe")
 #: Keys of a material that a body may have itself.
 _MATERIAL = ("young", "poisson", "thickness", "strength", "plastic", "hardening", "dilation", "unload")
 #: What of a body others need to know when they are checked.
-_BASE = ("name", "mesh", "material", "points", "couple", "initial_stress", "surface")
+_BASE = ("name", "mesh", "material", "points", "couple", "initial_stress", "pore_pressure", "surface")
 
 
 class Body:
@@ -212,6 +212,29 @@ class Body:
         >>> _ = rock.body_force([0, -27e3])
         """
         return self._set("body_force", force)
+
+    @keywords
+    def pore_pressure(
+        self,
+        pressure: Number | None = None,
+        level: Number | None = None,
+        weight: float | str | None = None,
+        direction: Vector | None = None,
+    ) -> Body:
+        """The pressure of the water in the pores: a value, or that of water at rest below a ``level``.
+
+        The initial stress is then that between the grains.
+
+        >>> import dotyk
+        >>> m = dotyk.Model("plane-strain")
+        >>> rock = m.body("rock", dotyk.rectangle([0, -10], [4, 0], cells=[4, 10]), young=1, poisson=0.3)
+        >>> _ = rock.pore_pressure(level="-2 - 0.1*x", weight=9.81e3)
+        """
+        below = {"level": level, "weight": weight, "direction": direction}
+        below = {key: value for key, value in below.items() if value is not None}
+        if (pressure is None) == (not below):
+            raise ArgumentError("`pore_pressure` is a `pressure`, or a `level` with its `weight`")
+        return self._set("pore_pressure", pressure if pressure is not None else below)
 
     @keywords_of("initial_stress")
     def initial_stress(self, **components: Any) -> Body:
@@ -422,6 +445,7 @@ class Model:
         body_force: Vector | None = None,
         initial_stress: Table | None = None,
         initial_strain: Table | None = None,
+        pore_pressure: Number | Table | None = None,
         active: Table | None = None,
         surface: Table | None = None,
         points: Table | None = None,

@@ -4,7 +4,7 @@ use crate::case::document::{Node, Table, Value};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::suggest::listed;
-use crate::geometry::{Field, Point, padded, unit};
+use crate::geometry::{Field, Point, dot, padded, unit};
 use crate::model::{Analysis, COMPONENTS, Components, Initial};
 
 /// Initial state of a body.
@@ -16,8 +16,10 @@ pub(crate) fn initial<const D: usize>(
     let [stress, strain] = nodes;
     let stress = stress.map(|node| self::stress::<D>(node, analysis));
     let (stress, vertical) = stress.transpose()?.unzip();
+    let pore = body.get("pore_pressure");
     let initial = Initial {
         stress,
+        pore: None,
         strain: strain.map(self::strain).transpose()?,
         vertical: vertical.flatten(),
     };
@@ -38,7 +40,36 @@ pub(crate) fn initial<const D: usize>(
             return Err(Fault::new(&node.span, why).label("not in this analysis"));
         }
     }
-    Ok(initial)
+    let Some(node) = pore else {
+        return Ok(initial);
+    };
+    let initial = initial.with_pores(pressure::<D>(node)?);
+    match initial.unfit(analysis) {
+        Some(why) => Err(Fault::new(&node.span, why).label("not in this analysis")),
+        None => Ok(initial),
+    }
+}
+
+/// The pressure of water in pores: a value, or that of water at rest below a level.
+fn pressure<const D: usize>(node: &Node) -> Result<Field, Fault> {
+    let Value::Table(_) = node.value else {
+        return node.field();
+    };
+    let table = node.table(keys::PORE_PRESSURE)?;
+    let what = "a pore pressure below a level";
+    let level = table.require("level", what)?.field()?;
+    let weight = table.require("weight", what)?.positive("`weight`")?;
+    let up: Point<D> = match table.get("direction") {
+        None => std::array::from_fn(|axis| f64::from(u8::from(axis == D - 1))),
+        Some(node) => unit(node.point()?).ok_or_else(|| {
+            Fault::new(&node.span, "the direction upwards has no length")
+                .label("all components are zero")
+        })?,
+    };
+    let up = padded(up);
+    let height = Field::function("height", move |x, _| dot(x, up));
+    let head = level + Field::constant(-1.0) * height;
+    Ok((Field::constant(weight) * head).at_least(0.0))
 }
 
 /// Components, or the vertical stress with its direction and the part of it that acts across.

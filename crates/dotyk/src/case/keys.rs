@@ -52,12 +52,15 @@ pub const BODY: &[&str] = &[
     "body_force",
     "initial_stress",
     "initial_strain",
+    "pore_pressure",
     "active",
     "surface",
     "points",
 ];
 /// `cyclic` of a body.
 pub const CYCLIC: &[&str] = &["from", "to", "sectors", "point", "axis"];
+/// `pore_pressure` of a body below a level.
+pub const PORE_PRESSURE: &[&str] = &["level", "weight", "direction"];
 /// `mesh` of a body.
 pub const MESH: &[&str] = &[
     "rectangle",

@@ -35,6 +35,19 @@ pub struct GapShares {
 }
 
 impl GapShares {
+    /// Takes in those of another node, each by its part of the weight of both; a single point stands for both.
+    pub(super) fn join(&mut self, other: Self, parts: [f64; 2]) {
+        if self.mean.len() < 2 {
+            return;
+        }
+        let sum = |shares: &[(usize, f64)]| shares.iter().map(|share| share.1).sum::<f64>();
+        let factors = [parts[0] / sum(&self.mean), parts[1] / sum(&other.mean)];
+        self.mean.iter_mut().for_each(|share| share.1 *= factors[0]);
+        let further = other.mean.into_iter();
+        self.mean
+            .extend(further.map(|(point, weight)| (point, factors[1] * weight)));
+    }
+
     /// The same shares, with the indices of points shifted by `before`.
     pub(super) fn after(self, before: usize) -> Self {
         let mean = self.mean.into_iter();

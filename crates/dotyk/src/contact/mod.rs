@@ -51,7 +51,7 @@ pub use tool::Tool;
 pub use weights::nodal_weights;
 
 use crate::fem::{Body, Constraints, side_facets};
-use crate::geometry::{Field, Point, add_scaled, cross, sub};
+use crate::geometry::{Field, Point, add_scaled, cross, dot, sub};
 use crate::mesh::Facet;
 use std::any::Any;
 
@@ -361,6 +361,51 @@ impl<const D: usize> Interface<D> {
         }
     }
 
+    /// Gives each two nodes one multiplier, that of the first: its rows become the means of those of both by weight, along the frame of
+    /// the first and, at the second, along these directions, which stand for them there. The second node carries nothing then; its
+    /// weight stays its own, and is part of that of the first, too.
+    pub fn join(&mut self, pairs: &[([usize; 2], [Point<D>; D])]) {
+        let mut kept = vec![true; self.nonmortar.len()];
+        for &([first, second], directions) in pairs {
+            let second_node = self.nodes[second].clone();
+            let whole = self.nodes[first].weight + second_node.weight;
+            let [own, other] = [self.nodes[first].weight, second_node.weight].map(|w| w / whole);
+            for (c, row) in self.nodes[first].rows.into_iter().enumerate() {
+                let Some(row) = row else { continue };
+                let parts = second_node.rows.iter().enumerate();
+                let parts = parts.filter(|(j, _)| (*j == 0) == (c == 0));
+                let parts: Vec<(usize, f64)> = parts
+                    .filter_map(|(j, other)| {
+                        let along = dot(directions[c], second_node.frame[j]);
+                        Some(((*other)?, if c == 0 { 1.0 } else { along }))
+                    })
+                    .collect();
+                for side in [&mut self.nonmortar, &mut self.mortar] {
+                    let mut sum: Row<D> = Vec::new();
+                    add_row(&mut sum, &side[row], own);
+                    for &(further, along) in &parts {
+                        add_row(&mut sum, &side[further], other * along);
+                    }
+                    side[row] = sum;
+                }
+            }
+            second_node
+                .rows
+                .iter()
+                .flatten()
+                .for_each(|&row| kept[row] = false);
+            let node = &mut self.nodes[first];
+            node.gap = own * node.gap + other * second_node.gap;
+            node.share = own * node.share + other * second_node.share;
+            node.shares.join(second_node.shares, [own, other]);
+            node.weight = whole;
+            node.extent += second_node.extent;
+            let node = &mut self.nodes[second];
+            (node.rows, node.role, node.extent) = ([None; D], Role::Fixed, 0.0);
+        }
+        self.keep_rows(&kept);
+    }
+
     /// Keeps the marked rows, which move up.
     fn keep_rows(&mut self, kept: &[bool]) {
         let mut next = 0;
@@ -385,6 +430,16 @@ impl<const D: usize> Interface<D> {
         self.nodes
             .iter()
             .filter(|node| node.role == Role::Multiplier)
+    }
+}
+
+/// Adds a row times a factor to another one.
+fn add_row<const D: usize>(sum: &mut Row<D>, row: &Row<D>, factor: f64) {
+    for &(node, c) in row {
+        match sum.iter_mut().find(|entry| entry.0 == node) {
+            Some((_, own)) => *own = add_scaled(*own, factor, c),
+            None => sum.push((node, c.map(|c| factor * c))),
+        }
     }
 }
 

@@ -139,8 +139,11 @@ pub(crate) const PLACE: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 /// Initial state of a body.
 #[derive(Debug, Clone, Default)]
 pub struct Initial {
-    /// σ₀, a stress.
+    /// σ₀, a total stress.
     pub stress: Option<Components>,
+    /// Pressure of the water in its pores, a part of σ₀ already ([`Self::with_pores`]): the grains bear σ + p, and their strength is that
+    /// of this effective stress.
+    pub pore: Option<Field>,
     /// ε₀.
     pub strain: Option<Components>,
     /// The vertical of a stress given by [`Components::ground`]: the body force must act along it.
@@ -151,6 +154,40 @@ pub struct Initial {
 type Law = (Lame, Analysis);
 
 impl Initial {
+    /// The same state with water in the pores, whose pressure −p adds to the stress so far, that between the grains:
+    ///
+    /// ```text
+    ///   σ = σ′ − p 1,       div σ + b = 0:   grains bear b − grad p, with b the weight of both
+    /// ```
+    pub fn with_pores(mut self, pressure: Field) -> Self {
+        let [xx, yy, zz, xy, yz, xz] = match self.stress.take() {
+            Some(Components(stress)) => stress,
+            None => std::array::from_fn(|_| Field::constant(0.0)),
+        };
+        let less = |stress: Field| stress + Field::constant(-1.0) * pressure.clone();
+        self.stress = Some(Components([less(xx), less(yy), less(zz), xy, yz, xz]));
+        self.pore = Some(pressure);
+        self
+    }
+
+    /// Adds the pore pressure at a point to a total stress: the effective one.
+    ///
+    /// Errors: an expression that is not finite.
+    pub(crate) fn effective<const D: usize>(
+        &self,
+        stress: [f64; 6],
+        point: Point<D>,
+        time: f64,
+    ) -> Result<[f64; 6], FemError> {
+        let Some(pore) = &self.pore else {
+            return Ok(stress);
+        };
+        let pressure = finite(pore, point, time, || "pore_pressure".to_string())?;
+        Ok(std::array::from_fn(|c| {
+            stress[c] + if c < 3 { pressure } else { 0.0 }
+        }))
+    }
+
     /// Why an analysis does not allow this, if so.
     pub fn unfit(&self, analysis: Analysis) -> Option<&'static str> {
         let has = |of: &Option<Components>, component: usize| {
@@ -162,6 +199,9 @@ impl Initial {
         match analysis {
             Analysis::Axisymmetric if self.vertical.is_some_and(|n| n[0] != 0.0) => {
                 Some("with axial symmetry the vertical is the axis: its direction is [0, 1]")
+            }
+            Analysis::PlaneStress if self.pore.is_some() => {
+                Some("in plane stress nothing presses across the plane, and water in pores would")
             }
             Analysis::PlaneStress if has(stress, 2) || shear(stress) => {
                 Some("in plane stress zz, yz and xz of the initial stress must be zero")
@@ -223,8 +263,10 @@ impl Initial {
 
     /// Prepares both at all points where they are evaluated, those of the recovery of stresses included.
     fn prepare<const D: usize>(&self, body: &Body<D>, time: f64) {
-        if let Some(stress) = &self.stress {
-            prepare_within(body, &stress.0, || body.mesh.points().to_vec(), time);
+        let stress = self.stress.iter().flat_map(|stress| &stress.0);
+        let stress: Vec<&Field> = stress.chain(&self.pore).collect();
+        if !stress.is_empty() {
+            prepare_within(body, stress, || body.mesh.points().to_vec(), time);
         }
         if let Some(strain) = &self.strain {
             prepare_within(body, &strain.0, || sampled_points(&body.mesh), time);

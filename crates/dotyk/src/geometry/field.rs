@@ -177,6 +177,20 @@ impl Field {
     }
 }
 
+impl Field {
+    /// Itself where it is larger than a number, else this.
+    pub fn at_least(self, least: f64) -> Self {
+        match self.as_constant() {
+            Some(value) => Self::constant(value.max(least)),
+            None => {
+                let text = format!("max({least}, {self})");
+                let own = self.clone();
+                Self::of(&text, [&self], move |x, t| own.at(x, t).max(least))
+            }
+        }
+    }
+}
+
 impl Add for Field {
     type Output = Self;
 

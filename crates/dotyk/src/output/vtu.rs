@@ -129,8 +129,11 @@ fn body_fields<const D: usize>(
 ) -> Vec<BodyField> {
     let bodies = &solution.bodies;
     let mut own = bodies[body].fields();
-    let some: [fn(&BodySolution<D>) -> bool; 2] =
-        [|b| b.utilisation.is_some(), |b| b.yielding.is_some()];
+    let some: [fn(&BodySolution<D>) -> bool; 3] = [
+        |b| b.utilisation.is_some(),
+        |b| b.yielding.is_some(),
+        |b| b.pore_pressure.is_some(),
+    ];
     for has in some.into_iter().filter(|has| !has(&bodies[body])) {
         let Some(other) = bodies.iter().find(|other| has(other)) else {
             continue;

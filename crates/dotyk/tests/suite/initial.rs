@@ -37,6 +37,7 @@ fn at_rest_along<const D: usize>(up: Point<D>, k0: [f64; 2]) -> Initial {
     let stress = Field::function("-27e3*(80 - y)", move |x, _| -WEIGHT * (DEPTH - height(x)));
     Initial {
         stress: Some(Components::ground(up, stress, k0.map(Field::constant))),
+        pore: None,
         strain: None,
         vertical: Some(dotyk::geometry::padded(up)),
     }

@@ -59,5 +59,6 @@ mod tidy;
 mod tools;
 mod travel;
 mod warnings;
+mod water;
 mod written;
 mod yielding;

@@ -184,7 +184,7 @@ fn of_contact<const D: usize>(
 ) -> Result<(), String> {
     let nodes = &condition.interface.nodes;
     let same = |(place, (now, then)): (usize, (&InterfaceNode<D>, &PastNode<D>))| {
-        let own = condition.own_weight(place);
+        let own = condition.own_weight(place) * condition.untwinned(place);
         now.node == then.node && (own - then.weight).abs() <= SAME_WEIGHT * own.abs()
     };
     if nodes.len() != past.len() || !nodes.iter().zip(past).enumerate().all(same) {
@@ -204,7 +204,7 @@ fn of_contact<const D: usize>(
         for (direction, row) in now.frame.iter().zip(now.rows).skip(1) {
             let Some(row) = row else { continue };
             // the rows push the nonmortar body by −λ
-            let whole = then.weight / shears(place)[0];
+            let whole = then.weight / condition.untwinned(place) / shears(place)[0];
             lambda[row] = -dot(then.shear, *direction) * whole;
             // a sticking node has not moved in this step
             gaps[row] = matches!(then.status, Status::Stick | Status::Tied).then_some(0.0);

@@ -1,9 +1,10 @@
 //! Results of bodies that have a value everywhere, as one list: files, probes, pictures and Python go through it. A further one is an
 //! entry here and a member of `BodySolution`, which `read/fields.rs` fills.
 
+use crate::fem::Body;
 use crate::geometry::padded;
 use crate::model::nouns::dimension::Dimension;
-use crate::model::nouns::solution::{BodySolution, Solution};
+use crate::model::nouns::solution::{BodySolution, Solution, effective_stress};
 
 /// How many components a field has, and which.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +65,25 @@ pub struct BodyField {
     pub values: Vec<f64>,
 }
 
+/// What a body needs for a result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Needs {
+    /// A material that yields.
+    Yielding,
+    /// Water in its pores.
+    Water,
+}
+
+impl Needs {
+    /// Whether a body has it.
+    pub fn met<const D: usize>(self, body: &Body<D>) -> bool {
+        match self {
+            Self::Yielding => body.is_plastic(),
+            Self::Water => body.initial.pore.is_some(),
+        }
+    }
+}
+
 /// An entry of the list.
 pub(crate) struct FieldKind<const D: usize> {
     pub name: &'static str,
@@ -73,8 +93,8 @@ pub(crate) struct FieldKind<const D: usize> {
     pub on: On,
     /// Whether probes read its nodal values directly; other fields have a reading of their own.
     pub plain: bool,
-    /// Only of bodies that yield.
-    pub plastic: bool,
+    /// What a body needs to have it; `None`: nothing.
+    pub needs: Option<Needs>,
     /// Its values in a solution; `None` where the solution has no such values.
     pub values: fn(&BodySolution<D>) -> Option<Vec<f64>>,
 }
@@ -121,6 +141,15 @@ impl<const D: usize> FieldKind<D> {
         })
         .of_metal()
         .of_cells(),
+        Self::new("pore_pressure", Number, Stress, |own| {
+            own.pore_pressure.clone()
+        })
+        .of_wet(),
+        Self::new("effective_stress", Tensor, Stress, |own| {
+            let water = own.pore_pressure.as_ref()?;
+            Some(effective_stress(&own.stress, water).concat())
+        })
+        .of_wet(),
         Self::new("principal_stress", Principal, Stress, |own| {
             Some(own.principal_stress().concat())
         })
@@ -161,7 +190,7 @@ impl<const D: usize> FieldKind<D> {
             dimension,
             on: On::Nodes,
             plain: true,
-            plastic: false,
+            needs: None,
             values,
         }
     }
@@ -173,7 +202,12 @@ impl<const D: usize> FieldKind<D> {
     }
 
     const fn of_metal(mut self) -> Self {
-        self.plastic = true;
+        self.needs = Some(Needs::Yielding);
+        self
+    }
+
+    const fn of_wet(mut self) -> Self {
+        self.needs = Some(Needs::Water);
         self
     }
 

@@ -13,7 +13,7 @@
 use crate::fem::Body;
 use crate::geometry::{Point, norm};
 use crate::model::nouns::dimension::Dimension;
-use crate::model::nouns::field::{FieldKind, Shape};
+use crate::model::nouns::field::{FieldKind, Needs, Shape};
 use crate::model::nouns::member::MemberWords;
 use crate::model::nouns::members::{Member, MemberKind};
 use crate::model::nouns::section::SectionQuantity;
@@ -222,6 +222,8 @@ pub enum Mistake {
     NoStrength,
     /// No material of the body yields.
     NotPlastic,
+    /// The body has no water in its pores.
+    NoWater,
 }
 
 impl fmt::Display for QuantityError {
@@ -237,6 +239,10 @@ impl fmt::Display for QuantityError {
             Mistake::NotPlastic => write!(
                 f,
                 "`{word}` of a body that does not yield: give its material `plastic = true`"
+            ),
+            Mistake::NoWater => write!(
+                f,
+                "`{word}` of a body without water in its pores: give it `pore_pressure`"
             ),
             Mistake::TooLong => write!(f, "`{word}` has no components here"),
         }
@@ -530,8 +536,12 @@ fn of_field<const D: usize>(
     field: usize,
 ) -> Result<Parts, QuantityError> {
     let kind = &FieldKind::<D>::ALL[field];
-    if kind.plastic && !body.is_plastic() {
-        return Err(words.mistake(Mistake::NotPlastic, 1, []));
+    if let Some(needs) = kind.needs.filter(|needs| !needs.met(body)) {
+        let mistake = match needs {
+            Needs::Yielding => Mistake::NotPlastic,
+            Needs::Water => Mistake::NoWater,
+        };
+        return Err(words.mistake(mistake, 1, []));
     }
     let known: &[(&str, usize)] = match kind.shape {
         Shape::Number => &[],

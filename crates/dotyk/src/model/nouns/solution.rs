@@ -245,6 +245,8 @@ pub struct BodySolution<const D: usize> {
     pub peak: Option<Peak<D>>,
     /// Utilisation of its strength; `None` where no material has a strength.
     pub utilisation: Option<Utilisation<D>>,
+    /// Pressure of the water in its pores, by place as the stress; `None` where no water is given.
+    pub pore_pressure: Option<Vec<f64>>,
     /// Its yielding; `None` where no material may yield.
     pub yielding: Option<Yielding>,
 }
@@ -338,6 +340,14 @@ impl fmt::Display for Singular {
             Self::EndOfContact => "the end of a contact",
         })
     }
+}
+
+/// The stress between grains: total stress plus the pressure of the water in the pores, both by place; tension positive.
+pub(crate) fn effective_stress(stress: &[[f64; 6]], water: &[f64]) -> Vec<[f64; 6]> {
+    let add = |(stress, p): (&[f64; 6], &f64)| {
+        std::array::from_fn(|c| stress[c] + if c < 3 { *p } else { 0.0 })
+    };
+    stress.iter().zip(water).map(add).collect()
 }
 
 impl<const D: usize> BodySolution<D> {

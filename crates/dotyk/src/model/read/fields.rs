@@ -13,6 +13,7 @@ use crate::model::nouns::model::{Analysis, Body, Model, Place, Support};
 use crate::model::nouns::solution::*;
 use crate::model::read::coupled::couple_solutions;
 use crate::model::system::bodies::LoadedBody;
+use crate::model::system::border::tell_twins;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Condition, Source, contact_rows, row_ranges};
 use crate::model::system::displaced::{Displaced, moved};
@@ -62,6 +63,9 @@ pub(crate) fn fields<const D: usize>(
         condensed.time,
         &mut contacts,
     );
+    for ((_, (_, condition)), told) in contact_rows(&condensed.conditions).zip(&mut contacts) {
+        tell_twins(condition, told);
+    }
     for (contact, told) in model.contacts.iter().zip(&mut contacts) {
         told.tell_for(contact.pair.first());
     }
@@ -78,6 +82,24 @@ pub(crate) fn fields<const D: usize>(
     Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
 }
 
+/// Pressure of the water in the pores of a body at a time, by place.
+///
+/// Errors: an expression that is not finite.
+fn pore_pressure<const D: usize>(
+    body: &Body<D>,
+    borders: &Borders,
+    time: f64,
+) -> Result<Option<Vec<f64>>, FemError> {
+    let dry = [0.0; 6];
+    let of_node = |node: usize| {
+        let added = body.initial.effective(dry, body.mesh.points()[node], time);
+        added.map(|added| added[0])
+    };
+    let water = body.initial.pore.is_some();
+    let all = water.then(|| borders.nodes().map(of_node).collect());
+    all.transpose()
+}
+
 fn body_solution<const D: usize>(
     (model, time): (&Model<D>, f64),
     (body, factored, before): (&Body<D>, &LoadedBody<D>, Option<Arc<Yielded>>),
@@ -91,7 +113,11 @@ fn body_solution<const D: usize>(
     let borders = Borders::of(body).map_err(fail)?;
     let yielding = yielding(model, (body, yielded), (before, &state), &borders).map_err(fail)?;
     let grown = yielding.as_ref().map(|own| &own.equivalent[..]);
-    let utilisation = overstress(body, &borders, &stress, grown).map_err(fail)?;
+    let pore_pressure = pore_pressure(body, &borders, time).map_err(fail)?;
+    let water = pore_pressure.as_deref();
+    let between_grains = water.map(|water| effective_stress(&stress, water));
+    let judged = between_grains.as_deref().unwrap_or(&stress);
+    let utilisation = overstress(body, &borders, judged, grown).map_err(fail)?;
     let strain = recover_strain(body, model.analysis, &state.u, time).map_err(fail)?;
     let points = body.mesh.points();
     let basis = RigidBasis::of(model.analysis);
@@ -143,6 +169,7 @@ fn body_solution<const D: usize>(
         displacement: state.u,
         fitted: None,
         peak: None,
+        pore_pressure,
         utilisation: utilisation.map(|own| Utilisation {
             nodal: own.utilisation,
             overstressed: own.extent,

@@ -17,7 +17,9 @@ use crate::model::nouns::member::MemberSolution;
 use crate::model::nouns::model::{Along, Analysis, Model, Probe, Reading};
 use crate::model::nouns::quantity::{ContactField, Parts, Since, Stress, Touching};
 use crate::model::nouns::section::{SectionQuantity, SectionSolution};
-use crate::model::nouns::solution::{BodySolution, ContactNode, LinePoint, ProbeValue, Solution};
+use crate::model::nouns::solution::{
+    BodySolution, ContactNode, LinePoint, ProbeValue, Solution, effective_stress,
+};
 use crate::model::read::line::{
     Breaks, Station, points_between, stations_along, stations_at, stations_within,
 };
@@ -465,7 +467,12 @@ fn field<'a, const D: usize>(
                     let place = |node: usize| solved.borders.place(at.block, node);
                     return at.interpolate(|node| [own.nodal[place(node)]])[0];
                 }
-                let tensor = at.interpolate(|node| solved.stress_in(at.block, node));
+                let mut tensor = at.interpolate(|node| solved.stress_in(at.block, node));
+                if let Some(water) = &solved.pore_pressure {
+                    let place = |node: usize| solved.borders.place(at.block, node);
+                    let [p] = at.interpolate(|node| [water[place(node)]]);
+                    tensor = effective_stress(&[tensor], &[p])[0];
+                }
                 strengths[at.block].map_or(f64::NAN, |strength| strength.utilisation(tensor))
             };
             Quantified::Varies(ReadField::new(Carrier::Body(of), value))

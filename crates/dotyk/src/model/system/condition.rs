@@ -9,7 +9,7 @@
 
 use crate::contact::{Interface, InterfaceNode, Role, Row, Sample};
 use crate::dual::Block;
-use crate::fem::CoupleKind;
+use crate::fem::{CoupleKind, Turn};
 use crate::geometry::{Field, Point, add_scaled, dot, sub};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
@@ -119,6 +119,8 @@ pub(crate) struct Touch<const D: usize> {
     pub missed: [BTreeMap<usize, f64>; 2],
     /// Shares of other contacts in its nodes: see `shared.rs`.
     pub sharers: Vec<Sharer>,
+    /// Nodes on the borders of a sector with one multiplier: see `border.rs`.
+    pub twins: Vec<Twin<D>>,
     /// Its multipliers are finer than the softer side, which then may respond alike to different forces.
     pub finer: bool,
 }
@@ -134,6 +136,7 @@ impl<const D: usize> Default for Touch<D> {
             lost: Vec::new(),
             missed: Default::default(),
             sharers: Vec::new(),
+            twins: Vec::new(),
             finer: false,
         }
     }
@@ -456,6 +459,15 @@ pub(crate) struct Sharer {
     /// Weight and extent of its facets.
     pub weight: f64,
     pub extent: f64,
+}
+
+/// Two nodes of a contact that are one place of the whole of which a body is a sector.
+#[derive(Debug, Clone)]
+pub(crate) struct Twin<const D: usize> {
+    /// Places in the interface: of the node that carries the multiplier, and of the other one.
+    pub places: [usize; 2],
+    /// Takes the first to the second.
+    pub turn: Turn<D>,
 }
 
 /// Gaps below this part of the coordinates are rounding.

@@ -71,7 +71,7 @@ struct Turned<const D: usize> {
 /// The turn that takes one face of a sector to the other.
 ///
 /// Errors: a number of sectors below 2, an axis without direction; faces that are unknown, or whose areas or centroids differ.
-fn turn<const D: usize>(
+pub(crate) fn turn<const D: usize>(
     body: &Body<D>,
     cyclic: &Cyclic<D>,
     analysis: Analysis,

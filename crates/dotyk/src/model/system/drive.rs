@@ -6,6 +6,7 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::bodies::LoadedBody;
 use crate::model::system::bolt::take_tension;
+use crate::model::system::border::join_borders;
 use crate::model::system::condition::Condition;
 use crate::model::system::conditions::take_gaps;
 use crate::model::system::dependent::drop_implied;
@@ -70,6 +71,7 @@ pub(crate) fn complete<const D: usize>(
 ) -> Result<Vec<String>, Error<D>> {
     systems.extend(link_systems(conditions));
     restore(model, conditions, before);
+    join_borders(model, conditions);
     share_nodes(model, systems, conditions);
     let dropped = drop_implied(model, systems, conditions);
     set_offsets(model, conditions, time)?;

@@ -6,6 +6,7 @@ pub mod applied;
 pub mod bed;
 pub mod bodies;
 pub mod bolt;
+pub mod border;
 pub mod choose;
 pub mod coincident;
 pub mod compliance;
