@@ -128,6 +128,7 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
         Mistake::TooLong => fault.label("ends too late"),
         Mistake::NoStrength => fault.label("nothing to compare the stress with"),
         Mistake::NotPlastic => fault.label("nothing yields"),
+        Mistake::NoBed => fault.label("no springs there"),
     }
 }
 
