@@ -5,11 +5,10 @@
 //!   c = ∫x dS / A,      n = ∫n dS / A,      share of node i = ∫N_i dS / A
 //! ```
 
-use crate::fem::side_points;
+use crate::fem::{Analysis, Body, side_points};
 use crate::geometry::{Point, add_scaled};
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::member::{ENDS, MemberError};
-use crate::model::nouns::model::Model;
 use std::collections::BTreeMap;
 
 /// A side as a whole.
@@ -25,15 +24,19 @@ impl<const D: usize> Face<D> {
     /// The side at an end of a member.
     ///
     /// Errors: a side that is unknown or has no area.
-    pub fn new(model: &Model<D>, side: &SideRef, end: usize) -> Result<Self, MemberError> {
-        let body = &model.bodies[side.body.0];
+    pub fn new(
+        (bodies, analysis): (&[Body<D>], Analysis),
+        side: &SideRef,
+        end: usize,
+    ) -> Result<Self, MemberError> {
+        let body = &bodies[side.body.0];
         let fail = || {
             let message = format!("its side \"{}\" is unknown, or has no area", side.side);
             MemberError::new(ENDS[end], message, "no side to pull at", "")
         };
         let (mut area, mut centre, mut normal) = (0.0, [0.0; D], [0.0; D]);
         let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
-        for place in side_points(body, &side.side, model.analysis).map_err(|_| fail())? {
+        for place in side_points(body, &side.side, analysis).map_err(|_| fail())? {
             area += place.area;
             centre = add_scaled(centre, place.area, place.point);
             normal = add_scaled(normal, place.area, place.normal);
