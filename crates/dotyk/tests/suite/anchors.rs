@@ -123,6 +123,10 @@ fn wrong_anchors_are_told_by_key() {
             "its bond begins at (3, 0.5), in none of its bodies",
         ),
         (
+            "bond = \"grouted\"\nfree_length = 2.5\nradius = 0.1",
+            "the plate of an anchor at its head",
+        ),
+        (
             "bond = \"grouted\"\nfree_length = 2.5\ncount = 3",
             "around the axis of symmetry",
         ),

@@ -6,7 +6,7 @@
 
 use crate::case::document::{Entry, Table};
 use crate::case::error::Fault;
-use crate::fem::show;
+use crate::fem::{Short, show};
 use crate::geometry::{Point, add_scaled, distance, sub};
 use crate::mesh::locate;
 use crate::model::{Analysis, Body, Bond, Member, MemberEnd, MemberKind};
@@ -39,6 +39,10 @@ pub(crate) fn bond_length<const D: usize>(
             .label("not grouted")
             .help("add `bond = \"grouted\"`"));
     }
+    if let (MemberEnd::Side(_), Some(entry)) = (&member.line.ends[0], table.entry("radius")) {
+        let message = "`radius` is that of the plate of an anchor at its head, which is at a side";
+        return Err(Fault::new(&entry.key_span, message).label("superfluous"));
+    }
     let place = |end| {
         let place = member.line.place(bodies, analysis, end);
         place.map_err(|error| Fault::new(table.span, error.to_string()).label(error.label))
@@ -47,8 +51,9 @@ pub(crate) fn bond_length<const D: usize>(
     let whole = distance(from, to);
     if given >= whole {
         let message = format!(
-            "its {} is {given}, and the bar is {whole} long",
-            words(entry)
+            "its {} is {given}, and the bar is {} long",
+            words(entry),
+            Short(whole)
         );
         return Err(Fault::new(&entry.node.span, message).label(match free {
             true => "nothing is left to bond",
@@ -79,7 +84,7 @@ pub(crate) fn parts<const D: usize>(whole: Member<D>, start: Point<D>) -> [Membe
     free.line.radius[1] = None;
     bond.name.push_str(BOND);
     bond.line.ends[0] = MemberEnd::Point(start);
-    bond.line.radius[0] = None;
+    bond.line.radius = [None; 2];
     if let MemberKind::Bar(law) = &mut bond.kind {
         law.prestress = None;
     }
