@@ -6,8 +6,8 @@ use crate::given::{Given, Input, located};
 use crate::progress::Progress;
 use crate::text::{columns, named, number, print, vector};
 use dotyk::model::{
-    Analysis, BodySolution, ContactSolution, Dimension, MemberSolution, Method, Model, ProbeValue,
-    Solution, StressAt, check_file_names,
+    Analysis, BedSolution, BodySolution, ContactSolution, Dimension, MemberSolution, Method, Model,
+    ProbeValue, Solution, StressAt, check_file_names,
 };
 use dotyk::output::{self, Folder, Scales};
 use std::ffi::OsStr;
@@ -304,6 +304,7 @@ fn results<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
         contacts(model, last),
         bodies(model, last),
         points(model, last),
+        beds(last),
         members(last),
         probes(steps),
     ] {
@@ -437,6 +438,37 @@ fn points<const D: usize>(model: &Model<D>, solution: &Solution<D>) -> String {
     .concat();
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     columns(&header, &rows, 2..header.len())
+}
+
+/// Pressure, gap and area of bedded sides; an empty text without these.
+fn beds<const D: usize>(solution: &Solution<D>) -> String {
+    let scales = Scales::of(solution);
+    let stress = |value: f64| number(scales.without_noise(value, Dimension::Stress));
+    let row = |bed: &BedSolution<D>| {
+        vec![
+            bed.name.clone(),
+            number(bed.area()),
+            number(bed.closed_area()),
+            stress(bed.mean_pressure()),
+            stress(bed.largest().map_or(f64::NAN, |at| at.pressure)),
+            stress(bed.min_pressure()),
+            number(scales.without_noise(bed.max_gap(), Dimension::Length)),
+        ]
+    };
+    if solution.beds.is_empty() {
+        return String::new();
+    }
+    let header = [
+        "bed",
+        "area",
+        "pressed",
+        "mean pressure",
+        "largest",
+        "smallest",
+        "largest gap",
+    ];
+    let rows: Vec<Vec<String>> = solution.beds.iter().map(row).collect();
+    columns(&header, &rows, 1..header.len())
 }
 
 /// The forces of members, a table for each kind; an empty text without members.

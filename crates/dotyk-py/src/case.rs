@@ -282,6 +282,7 @@ struct Checked {
     notes: Vec<String>,
     bodies: Vec<Found>,
     contacts: Vec<(String, [String; 2], usize)>,
+    members: Vec<(String, &'static str, [String; 2], f64, usize, f64)>,
     text: String,
 }
 
@@ -289,7 +290,14 @@ struct Checked {
 fn checked<const D: usize>(check: Check<D>) -> Checked {
     let bodies = check.bodies.iter();
     let contacts = check.contacts.iter();
+    let members = check.members.iter();
     Checked {
+        members: members
+            .map(|m| {
+                let (kind, ends) = (m.kind.key, m.ends.clone());
+                (m.name.clone(), kind, ends, m.length, m.elements, m.count)
+            })
+            .collect(),
         text: check.to_string(),
         bodies: bodies
             .map(|b| {
@@ -314,6 +322,7 @@ impl Checked {
         dict.set_item("notes", self.notes)?;
         dict.set_item("bodies", self.bodies)?;
         dict.set_item("contacts", self.contacts)?;
+        dict.set_item("members", self.members)?;
         dict.set_item("text", self.text)?;
         Ok(dict)
     }

@@ -148,3 +148,30 @@ def test_functions_are_asked_once_in_each_place_and_step(kind):
     asked.clear()
     assert all(np.isfinite(step.bodies["a"].stress).all() for step in s.steps)
     assert not asked
+
+
+@pytest.mark.parametrize("only", [True, False])
+def test_a_stiffness_may_be_a_function(only):
+    found = []
+    for stiffness in ("1e5*(1 + 0.5*x)", lambda points, t: 1e5 * (1 + 0.5 * points[:, 0])):
+        m = dotyk.Model("plane-strain")
+        body = m.body("a", dotyk.rectangle([0, 0], [2, 1], cells=[8, 4], cell="quad8"), young=1e8, poisson=0.25)
+        body.fix(point=[0, 0], x=0).load("top", pressure="1e4*(2 - x)")
+        body.spring("bottom", normal=stiffness, compression_only=only)
+        body.spring(point=[2, 1], y=stiffness)
+        bed = m.solve().beds["a.bottom"]
+        assert bed.compression_only is only and abs(bed.area - 2) < 1e-12
+        found.append([bed.max_pressure, bed.closed_area, bed.max_gap, *bed.resultant])
+    assert np.allclose(*found, rtol=1e-9, atol=1e-12)
+
+
+def test_a_stiffness_is_the_same_at_all_times():
+    def model(stiffness):
+        m = dotyk.Model("plane-strain")
+        body = m.body("a", dotyk.rectangle([0, 0], [2, 1], cells=[2, 1]), young=1e8, poisson=0.25)
+        return body.fix(point=[0, 0], x=0).load("top", pressure=1).spring("bottom", normal=stiffness) and m
+
+    with pytest.raises(dotyk.InputError, match="at all times the same"):
+        model(lambda points, t: 1e5 * t + 0 * points[:, 0]).solve()
+    with pytest.raises(dotyk.InputError, match="`t` has no meaning here"):
+        model("1e5*t")

@@ -50,7 +50,7 @@ def program() -> None:
         return np.zeros(len(dual.d)), np.zeros(len(dual.e))
     m.solve(method=of_dual)
     r = dotyk.check("case.toml"); m = dotyk.Model.from_case("case.toml")
-    print(r.errors, r.warnings, r.bodies["rock"].floating)
+    print(r.errors, r.warnings, r.bodies["rock"].floating, r.members["b"].length)
     st = dotyk.study("case.toml", vary={"E": np.linspace(0, 1, 3), "q": [1.0]})
     n: int = len(st); st.to_pandas()
     def cb(progress: dotyk.Progress) -> None:
@@ -60,8 +60,8 @@ def program() -> None:
         m.solve()
     except dotyk.NotConverged as e:
         print(e.solution.contacts, e.solution.failed_step)
-    print(s.bodies["rock"].reaction, s.contacts["g"].resultant, s.sections["s"], s.bars["b"].force, s.springs["k"].force, s.bolts["m20"].shortening, s.units, s.warnings[0], s.seconds["total"])
+    print(s.bodies["rock"].reaction, s.contacts["g"].resultant, s.sections["s"], s.beds["rock.top"].max_pressure, s.bars["b"].force, s.springs["k"].force, s.bolts["m20"].shortening, s.units, s.warnings[0], s.seconds["total"])
     small = dotyk.examples.punch().solve()
-    mesh = dotyk.rectangle([0, 0], [4, 1], cells=[80, 20]); dotyk.ring(1, 2, cells=[3, 4]); dotyk.extrude(mesh, height=1, layers=2)
+    mesh = dotyk.rectangle([0, 0], [4, 1], cells=[80, 20]); dotyk.ring(1, 2, cells=[3, 4]); dotyk.extrude(mesh, height=-1, offset=2.5, layers=2)
     dotyk.rectangle(from_=[0, 0], to=[1, 1], cells=(1, 1)); dotyk.outline(size=1.0, from_=[0, 0], edges=[])
     dotyk.rectangle(np.zeros(2), np.ones(2), cells=np.array([1, 1]))

@@ -29,7 +29,7 @@ from dotyk._mesh import (
 )
 from dotyk._model import Body, Model
 from dotyk._solution import BodySolution, ContactSolution, Figure, Line, Named, ProbeValue, Solution
-from dotyk._solve import BodyCheck, Check, ContactCheck, Progress, Study, check, run, study
+from dotyk._solve import BodyCheck, Check, ContactCheck, MemberCheck, Progress, Study, check, run, study
 
 __version__: str = _dotyk.version()
 
@@ -47,6 +47,7 @@ __all__ = [
     "Figure",
     "InputError",
     "Line",
+    "MemberCheck",
     "Mesh",
     "Model",
     "Named",

@@ -444,17 +444,21 @@ def extrude(
     layers: Any,
     height: float | None = None,
     turn: Mapping[str, Any] | None = None,
+    offset: float | None = None,
 ) -> Mesh:
-    """A plane mesh moved along z (``height``) or turned about an axis (``turn``); its sides keep their names, ``first`` and
-    ``last`` are the ends.
+    """A plane mesh moved along z (``height``, which may be negative) or turned about an axis (``turn``), from z or an angle
+    ``offset``; its sides keep their names, ``first`` and ``last`` are the ends. An axis may touch the mesh.
 
     >>> import dotyk
     >>> plate = dotyk.rectangle([0, 0], [2, 1], cells=[2, 1])
     >>> dotyk.extrude(plate, height=1, layers=1)
     <dotyk.Mesh: 12 nodes, 2 hex8, sides bottom, first, last, left, right, top>
+    >>> dotyk.extrude(plate, turn={"point": [0, 0, 0], "axis": [0, 1, 0], "angle": 90}, layers=3)
+    <dotyk.Mesh: 18 nodes, 3 prism6, 3 hex8, sides bottom, first, last, right, top>
     """
     plane: Any = {"file": mesh} if isinstance(mesh, Mesh) else mesh
-    return _generated("extrude", True, {"mesh": plane, "layers": layers, "height": height, "turn": turn})
+    keys = {"mesh": plane, "layers": layers, "height": height, "turn": turn, "offset": offset}
+    return _generated("extrude", True, keys)
 
 
 @keywords_of("drawing")

@@ -154,21 +154,26 @@ class Body:
     def spring(
         self,
         side: str | Sequence[str] | None = None,
-        normal: float | str | None = None,
-        tangential: float | str | None = None,
+        normal: Number | None = None,
+        tangential: Number | None = None,
         compression_only: bool | None = None,
-        x: float | str | None = None,
-        y: float | str | None = None,
-        z: float | str | None = None,
+        x: Number | None = None,
+        y: Number | None = None,
+        z: Number | None = None,
         point: Place | str | None = None,
         active: Table | None = None,
     ) -> Body:
         """Beds a side on springs (force per area and length) or a point (force per length).
 
+        A stiffness may be an expression in ``x``, ``y`` and ``z``, or a function, that is the same at all times.
+
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
-        >>> beam = m.body("beam", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1, poisson=0.3)
-        >>> _ = beam.spring("bottom", normal=1e7, compression_only=True)
+        >>> beam = m.body("beam", dotyk.rectangle([0, 0], [4, 1], cells=[4, 1]), young=1e9, poisson=0)
+        >>> _ = beam.spring("bottom", normal="1e7*(1 + x)", compression_only=True).fix(point=[0, 0], x=0)
+        >>> bed = beam.load("top", pressure="1e3*(1 + x)") and m.solve().beds["beam.bottom"]
+        >>> round(bed.mean_pressure, 6), round(bed.closed_area, 6), round(bed.resultant[1], 6)
+        (3000.0, 4.0, 12000.0)
         """
         return self._add("spring", {k: v for k, v in locals().items() if k != "self"})
 
@@ -548,8 +553,14 @@ class Model:
         yield_: float | str | None = None,
         radius: float | str | None = None,
         active: Table | None = None,
+        count: int | None = None,
+        free_length: float | str | None = None,
+        bond_length: float | str | None = None,
     ) -> Model:
         """Adds a bar: a bolt, an anchor or a tie between points or sides; ``bond`` is ``"ends"`` or ``"grouted"``.
+
+        An anchor is grouted behind its ``free_length``, or over its ``bond_length``: two bars, NAME and NAME-bond. With axial
+        symmetry ``count`` is the number of bars around the axis.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
@@ -571,6 +582,7 @@ class Model:
         spacing: float | str | None = None,
         radius: float | str | None = None,
         active: Table | None = None,
+        count: int | None = None,
     ) -> Model:
         """Adds a spring between two points or sides; ``acts`` is ``"both"``, ``"tension"`` or ``"compression"``, with a ``gap``.
 

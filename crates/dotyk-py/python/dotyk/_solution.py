@@ -696,6 +696,8 @@ class Solution(_Frozen):
     contacts: Named[ContactSolution]
     bodies: Named[BodySolution]
     probes: Named[ProbeValue]
+    #: Bedded sides by "BODY.SIDE": area, closed_area, mean_pressure, max_pressure, max_gap, resultant ...
+    beds: Named[Any]
     bars: Named[Any]
     springs: Named[Any]
     bolts: Named[Any]
@@ -750,7 +752,7 @@ class Solution(_Frozen):
         )
         own["probes"] = Named("probe", {p["name"]: ProbeValue._of(p) for p in table["probes"]})
         members = ((key, plural) for key, plural, _ in _dotyk.members())
-        for word, kind in (*members, ("section", "sections")):
+        for word, kind in (("bed", "beds"), *members, ("section", "sections")):
             own[kind] = Named(word, {entry["name"]: _Frozen(entry) for entry in table.get(kind, [])})
         for key, value in own.items():
             object.__setattr__(self, key, value)

@@ -228,6 +228,31 @@ class ContactCheck:
     unknowns: int
 
 
+@dataclass(frozen=True)
+class MemberCheck:
+    """What a check found of a bar, a spring between places, or a bolt.
+
+    >>> import dotyk
+    >>> m = dotyk.Model("plane-strain")
+    >>> rock = m.body("rock", dotyk.rectangle([0, 0], [4, 4], cells=[8, 8]), young=1e9, poisson=0.3)
+    >>> _ = rock.fix("bottom", x=0, y=0) and m.bar("tie", from_=[1, 4], to=[1, 1], bodies=["rock"], young=2e11, area=1e-3)
+    >>> m.check().members["tie"].length, m.check().members["tie"].ends
+    (3.0, ('(1, 4)', '(1, 1)'))
+    """
+
+    name: str
+    #: ``bar``, ``spring`` or ``bolt``.
+    kind: str
+    #: Where it begins and ends: "BODY.SIDE", or a point.
+    ends: tuple[str, str]
+    #: From its beginning to its end; that of a bolt is 0.
+    length: float
+    #: Number of its elements.
+    elements: int
+    #: How many it stands for.
+    count: float
+
+
 class Check:
     """What can be said of a model before anything is solved.
 
@@ -249,6 +274,8 @@ class Check:
     bodies: dict[str, BodyCheck]
     #: One for each contact, by name.
     contacts: dict[str, ContactCheck]
+    #: One for each bar, spring between places and bolt, by name.
+    members: dict[str, MemberCheck]
 
     def __init__(self, found: dict[str, Any]) -> None:
         self.errors, self.warnings = list(found["errors"]), list(found["warnings"])
@@ -259,6 +286,10 @@ class Check:
         }
         self.contacts = {
             name: ContactCheck(name, tuple(sides), unknowns) for name, sides, unknowns in found["contacts"]
+        }
+        self.members = {
+            name: MemberCheck(name, kind, tuple(ends), length, elements, count)
+            for name, kind, ends, length, elements, count in found["members"]
         }
         self._text = str(found["text"])
 

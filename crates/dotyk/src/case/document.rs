@@ -451,6 +451,15 @@ impl Node {
         self.field_of(Variables::Time)
     }
 
+    /// A number or an expression in x, y and z, whose number is from 0 on.
+    pub fn stiffness(&self, name: &str) -> Result<Field, Fault> {
+        let field = self.field_of(Variables::Place)?;
+        match field.as_constant() {
+            Some(_) => self.not_negative(name).map(Field::constant),
+            None => Ok(field),
+        }
+    }
+
     fn expressions<const D: usize>(&self, variables: Variables) -> Result<[Field; D], Fault> {
         let nodes = self.exactly::<D>("numbers or expressions")?;
         let mut fields = zero();

@@ -54,6 +54,8 @@ pub(crate) enum Variables {
     All,
     /// t alone: for values that are the same everywhere.
     Time,
+    /// x, y and z: for values that are the same at all times.
+    Place,
     /// No variables: a number.
     None,
 }
@@ -337,6 +339,10 @@ impl Parser<'_> {
                 Variables::All => None,
                 Variables::Time if name == "t" => None,
                 Variables::Time => Some("this is the same everywhere, it may change with t"),
+                Variables::Place if name != "t" => None,
+                Variables::Place => Some(
+                    "this is the same at all times, it may change with x, y and z; what comes or goes has `active`",
+                ),
                 Variables::None => Some("this is one number"),
             };
             if let Some(why) = meaningless {
@@ -366,6 +372,7 @@ impl Parser<'_> {
         let meaningful = |known: &&str| match self.variables {
             Variables::All => true,
             Variables::Time => !["x", "y", "z"].contains(known),
+            Variables::Place => *known != "t",
             Variables::None => !VARIABLES.contains(known),
         };
         let known = parameters.chain(reserved().filter(meaningful));

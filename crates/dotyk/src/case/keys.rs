@@ -110,7 +110,7 @@ pub const CYLINDER_MESH: &[&str] = &[
 /// `mesh.sphere`.
 pub const SPHERE_MESH: &[&str] = &["center", "radius", "inner", "from", "to", "cells", "cell"];
 /// `mesh.extrude`.
-pub const EXTRUDE: &[&str] = &["mesh", "height", "turn", "layers"];
+pub const EXTRUDE: &[&str] = &["mesh", "height", "turn", "offset", "layers"];
 /// `turn` of `mesh.extrude`.
 pub const TURN: &[&str] = &["point", "axis", "angle"];
 /// `mesh.file`.

@@ -1,11 +1,12 @@
 //! Members of a case file: the readers of all kinds, and of the line that all of them have.
 
+mod anchor;
 mod bar;
 mod bolt;
 mod spring;
 
 use crate::case::contact::side_ref;
-use crate::case::document::{Node, Table, Value, later, name};
+use crate::case::document::{Node, Table, Value, name};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::{named_body, place};
@@ -51,11 +52,7 @@ pub(crate) fn members<'n, const D: usize>(
                     bolt.axis = bolt::axis::<D>(table)?;
                     bolt::line(table, (&name, &what), bodies)?
                 }
-                _ if analysis == Analysis::Axisymmetric => {
-                    let what = format!("a {} with axial symmetry", kind.key);
-                    return Err(later(table.span, &what));
-                }
-                _ => line(table, (kind, &what), bodies)?,
+                _ => line(table, (kind, &what), (&mut *bodies, analysis))?,
             };
             let member = Member {
                 active,
@@ -63,10 +60,35 @@ pub(crate) fn members<'n, const D: usize>(
                 line,
                 name,
             };
-            members.push((member, node));
+            match anchor::bond_length(table, &member, (&*bodies, analysis))? {
+                None => members.push((member, node)),
+                Some(place) => {
+                    let parts = anchor::parts(member, place);
+                    refuse_taken(case, &parts[1].name, node)?;
+                    members.extend(parts.map(|part| (part, node)));
+                }
+            }
         }
     }
     Ok(members)
+}
+
+/// Refuses the name of the bond of an anchor where another part has it.
+fn refuse_taken(case: Table<'_>, name: &str, node: &Node) -> Result<(), Fault> {
+    let kinds = MemberKind::ALL.iter().map(|kind| kind.key);
+    for key in ["body", "contact", "section"].into_iter().chain(kinds) {
+        for other in case.list(key)? {
+            let mut entries = other.entries().unwrap_or_default().iter();
+            let own = entries.find(|entry| entry.key == "name");
+            if own.is_some_and(|entry| entry.node.text().is_ok_and(|text| text == name)) {
+                let message = format!("a {key} has the name `{name}`, which is that of the bond");
+                return Err(Fault::new(&node.span, message)
+                    .label("its bond is told by this name")
+                    .help("choose another name for one of the two"));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The positive number of a key; `None` without the key.
@@ -76,18 +98,53 @@ pub(crate) fn positive(table: Table<'_>, key: &str) -> Result<Option<f64>, Fault
         .transpose()
 }
 
+/// How many members there are around the axis; `None` without axial symmetry.
+fn count(
+    table: Table<'_>,
+    (kind, what): (&MemberWords, &str),
+    analysis: Analysis,
+) -> Result<Option<usize>, Fault> {
+    let plural = kind.plural;
+    match (table.entry("count"), analysis) {
+        (Some(entry), Analysis::Axisymmetric) => {
+            let count = entry
+                .node
+                .positive_integer(&format!("the number of {plural}"));
+            count.map(Some)
+        }
+        (Some(entry), _) => {
+            let message = format!("`count` is that of {plural} around the axis of symmetry");
+            Err(Fault::new(&entry.key_span, message).label("not in this analysis"))
+        }
+        (None, Analysis::Axisymmetric) => Err(Fault::new(
+            table.span,
+            format!("{what} stands for those all around the axis of symmetry"),
+        )
+        .label("`count` is missing")
+        .help(format!(
+            "add `count`, how many {plural} there are in the full turn, spread evenly"
+        ))),
+        (None, _) => Ok(None),
+    }
+}
+
 const BONDS: [(&str, Bond); 2] = [("ends", Bond::Ends), ("grouted", Bond::Grouted)];
 
 /// The line of a member; a kind without the key `bond` is held at its ends.
 fn line<const D: usize>(
     table: Table<'_>,
     (kind, what): (&MemberWords, &str),
-    bodies: &mut [Body<D>],
+    (bodies, analysis): (&mut [Body<D>], Analysis),
 ) -> Result<Line<D>, Fault> {
     let MemberWords {
         key: word, plural, ..
     } = kind;
     let (spacing, radius) = (positive(table, "spacing")?, positive(table, "radius")?);
+    let count = count(table, (kind, what), analysis)?;
+    if let (Some(_), Some(entry)) = (count, table.entry("spacing")) {
+        let message = format!("with axial symmetry `count` says how many {plural} there are");
+        return Err(Fault::new(&entry.key_span, message).label("not with axial symmetry"));
+    }
     if let (3, Some(entry)) = (D, table.entry("spacing")) {
         let message = format!("`spacing` is the distance of {plural} across a plane model");
         return Err(Fault::new(&entry.key_span, message)
@@ -104,7 +161,8 @@ fn line<const D: usize>(
         bodies: Vec::new(),
         bond,
         spacing,
-        radius,
+        count,
+        radius: [radius; 2],
     };
     line.bodies = bodies_of(table, &line, what, bodies)?;
     if let (false, Some(entry)) = (line.ends_at_points(), table.entry("radius")) {

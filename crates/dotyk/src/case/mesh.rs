@@ -403,20 +403,20 @@ fn sphere(node: &Node) -> Result<Sphere, Fault> {
     Ok(sphere)
 }
 
-/// A plane mesh carried along z or around an axis; its named points are at z = 0.
+/// A plane mesh carried along z or around an axis; its named points are where that begins.
 fn extrude(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Made<3>, Fault> {
     let table = node.table(keys::EXTRUDE)?;
     let what = "an extruded mesh";
     let plane = table.require("mesh", what)?;
     let (plane, points) = mesh::<2>(plane, body, "`extrude` takes 2D ones", files)?;
     let path = match (table.entry("height"), table.entry("turn")) {
-        (Some(entry), None) => Path::Straight(entry.node.positive("the height")?),
+        (Some(entry), None) => Path::Straight(not_zero(&entry.node, "the height")?),
         (None, Some(entry)) => {
             let turn = entry.node.table(keys::TURN)?;
             Path::Turn {
                 point: turn.require("point", "a turn")?.point()?,
                 axis: turn.require("axis", "a turn")?.point()?,
-                angle: turn.require("angle", "a turn")?.positive("the angle")?,
+                angle: not_zero(turn.require("angle", "a turn")?, "the angle")?,
             }
         }
         (Some(_), Some(entry)) => {
@@ -432,14 +432,28 @@ fn extrude(node: &Node, body: &str, files: &mut MeshFiles) -> Result<Made<3>, Fa
     let layers = layers.positive_integer("the number of layers")?;
     let cells = layers as u128 * plane.cell_count() as u128;
     few_enough::<3>(table, cells, CellKind::Prism6)?;
-    let at_foot = |[x, y]: [f64; 2]| [x, y, 0.0];
-    let named = points.into_iter();
-    let named = named.map(|(name, places)| (name, places.into_iter().map(at_foot).collect()));
-    let built = Extrude {
+    let offset = table.get("offset").map_or(Ok(0.0), Node::number)?;
+    let solid = Extrude {
         mesh: plane,
         path,
         layers,
+        offset,
+    };
+    let named = points.into_iter().map(|(name, places)| {
+        let feet = places.into_iter().map(|place| solid.foot(place));
+        (name, feet.collect())
+    });
+    let named = named.collect();
+    Ok((solid.build(), named))
+}
+
+/// A finite number other than zero.
+fn not_zero(node: &Node, name: &str) -> Result<f64, Fault> {
+    match node.number()? {
+        0.0 => {
+            let message = format!("{name} must not be zero");
+            Err(Fault::new(&node.span, message).label("no way to go"))
+        }
+        value => Ok(value),
     }
-    .build();
-    Ok((built, named.collect()))
 }

@@ -129,6 +129,7 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
         Mistake::NoStrength => fault.label("nothing to compare the stress with"),
         Mistake::NotPlastic => fault.label("nothing yields"),
         Mistake::NoWater => fault.label("no water"),
+        Mistake::NoBed => fault.label("no springs there"),
     }
 }
 

@@ -9,6 +9,8 @@ use crate::case::mesh_file::Named;
 use crate::case::points::places;
 use crate::case::steps::Steps;
 use crate::case::suggest::listed;
+use crate::fem::show;
+use crate::geometry::{Field, Point, centroid};
 use crate::mesh::Mesh;
 use crate::model::{Bed, Spring};
 
@@ -25,16 +27,20 @@ pub(crate) fn springs<const D: usize>(
     let body = couples.body;
     no_z::<D>(table)?;
     let beds = match (table.get("side"), table.get("point")) {
-        (Some(node), None) => vec![of_side(table, &side(node, body, mesh)?)?],
+        (Some(node), None) => {
+            let side = side(node, body, mesh)?;
+            vec![of_side(table, &side, mesh)?]
+        }
         (None, Some(node)) => {
             if couples.of_point(Some(node)).is_some() {
                 return Err(later(&node.span, "a spring at the point of a couple"));
             }
-            let stiffness = of_point::<D>(table)?;
             let places = places(node, body, points)?.into_iter();
-            places
-                .map(|point| Bed::Point { point, stiffness })
-                .collect()
+            let bed = |point| {
+                let stiffness = of_point(table, point)?;
+                Ok(Bed::Point { point, stiffness })
+            };
+            places.map(bed).collect::<Result<_, Fault>>()?
         }
         (Some(_), Some(node)) => {
             let message = format!("a spring of body `{body}` has both `side` and `point`");
@@ -49,12 +55,30 @@ pub(crate) fn springs<const D: usize>(
     Ok(springs.collect())
 }
 
-/// A stiffness, a number from 0 on; 0 where it is not given.
-fn stiffness(table: Table<'_>, key: &str) -> Result<f64, Fault> {
+/// A stiffness by place, from 0 on at these; 0 where it is not given.
+fn stiffness<const D: usize>(
+    table: Table<'_>,
+    key: &str,
+    places: impl IntoIterator<Item = Point<D>>,
+) -> Result<Field, Fault> {
     let Some(node) = table.get(key) else {
-        return Ok(0.0);
+        return Ok(Field::constant(0.0));
     };
-    node.not_negative(&format!("the stiffness `{key}` of a spring"))
+    let name = format!("the stiffness `{key}` of a spring");
+    let field = node.stiffness(&name)?;
+    if field.as_constant().is_some() || field.is_sampled() {
+        return Ok(field);
+    }
+    for place in places {
+        let value = field.at(place, 0.0);
+        if !(value >= 0.0 && value.is_finite()) {
+            let message = format!("{name} is {value} at {}", show(place));
+            return Err(Fault::new(&node.span, message)
+                .label("not a number from 0 on there")
+                .help("use max(..., 0) where there shall be no spring"));
+        }
+    }
+    Ok(field)
 }
 
 /// Refuses keys of the other kind of springs.
@@ -76,17 +100,24 @@ fn soft(table: Table<'_>, keys: String) -> Fault {
         .help(format!("add {keys}"))
 }
 
-fn of_side<const D: usize>(table: Table<'_>, side: &str) -> Result<Bed<D>, Fault> {
+fn of_side<const D: usize>(table: Table<'_>, side: &str, mesh: &Mesh<D>) -> Result<Bed<D>, Fault> {
     let help = "a spring on a side has `normal` and `tangential`, force per area and displacement";
     refuse(table, &AXES, help)?;
-    let [normal, tangential] = ["normal", "tangential"].map(|key| stiffness(table, key));
+    // nodes may lie where an expression has no value, and points of integration do not
+    let facets = mesh.side(side).unwrap_or_default();
+    let centres = || {
+        let points = facets.iter().map(|facet| mesh.facet_points(*facet));
+        points.map(|points| centroid(&points.collect::<Vec<_>>()))
+    };
+    let [normal, tangential] = ["normal", "tangential"].map(|key| stiffness(table, key, centres()));
     let (normal, tangential) = (normal?, tangential?);
-    if normal == 0.0 && tangential == 0.0 {
+    let none = |field: &Field| field.as_constant() == Some(0.0);
+    if none(&normal) && none(&tangential) {
         return Err(soft(table, "`normal` or `tangential`".to_string()));
     }
     let only = table.entry("compression_only");
     let compression_only = only.map_or(Ok(false), |entry| entry.node.boolean())?;
-    if let (true, Some(entry)) = (compression_only && normal == 0.0, only) {
+    if let (true, Some(entry)) = (compression_only && none(&normal), only) {
         let message = "`compression_only` is of the stiffness along the normal";
         return Err(Fault::new(&entry.key_span, message).label("no `normal`"));
     }
@@ -98,14 +129,14 @@ fn of_side<const D: usize>(table: Table<'_>, side: &str) -> Result<Bed<D>, Fault
     })
 }
 
-fn of_point<const D: usize>(table: Table<'_>) -> Result<[f64; D], Fault> {
+fn of_point<const D: usize>(table: Table<'_>, point: Point<D>) -> Result<[f64; D], Fault> {
     let of_side = ["normal", "tangential", "compression_only"];
     let axes = listed(AXES[..D].iter().copied());
     let help = format!("a spring at a point has {axes}, force per displacement");
     refuse(table, &of_side, &help)?;
     let mut values = [0.0; D];
     for (value, axis) in values.iter_mut().zip(AXES) {
-        *value = stiffness(table, axis)?;
+        *value = stiffness(table, axis, [point])?.at(point, f64::NAN);
     }
     match values.iter().all(|&k| k == 0.0) {
         true => Err(soft(table, axes)),

@@ -415,7 +415,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
             let u = of_facet(self.displacement);
             let stretched = sprung.came.map_or(u, |came| sub(u, of_facet(came)));
             let along = sprung.normals.at(facet, &[xi]);
-            sum = add_scaled(sum, 1.0, sprung.spring.traction(along, stretched));
+            sum = add_scaled(sum, 1.0, sprung.spring.traction(point, along, stretched));
         }
         for pushed in self.pushed.iter().filter(|p| p.facets.contains(&facet)) {
             sum = add_scaled(sum, 1.0, of_facet(&pushed.traction));

@@ -49,6 +49,20 @@ pub enum FemError {
         /// The stiffness.
         value: f64,
     },
+    /// A bed whose stiffness is somewhere negative or no number.
+    #[error(
+        "the stiffness {text} of the bed of side \"{side}\" is {value} at {point}: it must be a number from 0 on there, at all times the same"
+    )]
+    Bed {
+        /// Its side.
+        side: String,
+        /// The expression.
+        text: String,
+        /// Its value.
+        value: f64,
+        /// Where.
+        point: String,
+    },
     /// A force on a side without area.
     #[error(
         "side \"{side}\" has no area, it lies on the axis of symmetry: a force cannot be spread over it"

@@ -67,7 +67,7 @@ pub(crate) use locking::{INCOMPRESSIBLE, Unseen, unseen};
 pub(crate) use modes::fit_rigid;
 pub(crate) use overstress::overstress;
 pub(crate) use plastic::{Increment, Yielded};
-pub(crate) use springs::{pads, spring_forces, spring_loads};
+pub(crate) use springs::{Pad, pads, spring_forces, spring_loads};
 pub(crate) use stress::{recover_yielded, recover_yielded_stress};
 pub(crate) use supports::{AGREE, describe, side_facets, side_nodes};
 pub(crate) use surface::TrueSurface;

@@ -9,28 +9,31 @@
 //! condition of its own (`model/system/bed.rs`); here it has only its tangential part. n is the normal of the surface behind
 //! the side (`fem/surface.rs`), so that a bed along the radius does not resist a spin.
 //!
+//! kₙ and kₜ may vary along the side, and are taken at its points of integration; they are the same at all times, because they are
+//! part of K. A spring that gets stiffer is one more spring, active from then on.
+//!
 //! Units: kₙ, kₜ force per area and length, to be multiplied by the thickness or 2πr; k_i force per length.
 
 use crate::fem::cells::measure;
-use crate::fem::error::FemError;
+use crate::fem::error::{FemError, show};
 use crate::fem::loads::{SidePoint, points_of_degree, side_points};
 use crate::fem::nouns::{Active, Analysis, Body, History, Place};
 use crate::fem::supports::nearest_node;
 use crate::fem::surface::SideNormals;
-use crate::geometry::{Point, add_scaled, dot, norm};
+use crate::geometry::{Field, Point, add_scaled, dot, norm};
 use std::collections::BTreeMap;
 
 /// Where a spring acts, and how stiff it is.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub enum Bed<const D: usize> {
     /// All over a side.
     Side {
         /// Side of the body.
         side: String,
-        /// Force per area and displacement along the normal.
-        normal: f64,
+        /// Force per area and displacement along the normal, by place.
+        normal: Field,
         /// The same across it, in every direction.
-        tangential: f64,
+        tangential: Field,
         /// Along the normal it presses and does not pull; across it acts either way.
         compression_only: bool,
     },
@@ -41,6 +44,43 @@ pub enum Bed<const D: usize> {
         /// Force per displacement along each axis.
         stiffness: [f64; D],
     },
+}
+
+/// A stiffness belongs to no time. What depends on time is no number then, and is refused.
+const NO_TIME: f64 = f64::NAN;
+
+/// Beds are equal if their stiffnesses are; two functions are so only if one is a copy of the other.
+impl<const D: usize> PartialEq for Bed<D> {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (
+                Self::Side {
+                    side,
+                    normal,
+                    tangential,
+                    compression_only,
+                },
+                Self::Side {
+                    side: other_side,
+                    normal: other_normal,
+                    tangential: other_tangential,
+                    compression_only: other_only,
+                },
+            ) => {
+                (side, compression_only) == (other_side, other_only)
+                    && normal.is_copy_of(other_normal)
+                    && tangential.is_copy_of(other_tangential)
+            }
+            (
+                Self::Point { point, stiffness },
+                Self::Point {
+                    point: other,
+                    stiffness: k,
+                },
+            ) => (point, stiffness) == (other, k),
+            _ => false,
+        }
+    }
 }
 
 /// A spring between a body and fixed ground.
@@ -61,54 +101,101 @@ impl<const D: usize> Spring<D> {
         }
     }
 
-    /// The side and the normal stiffness of a bed that only presses.
-    pub(crate) fn presses(&self) -> Option<(&str, f64)> {
-        match &self.bed {
-            Bed::Side {
-                side,
-                normal,
-                compression_only: true,
-                ..
-            } if *normal > 0.0 => Some((side, *normal)),
-            _ => None,
-        }
+    /// It is a bed that presses along the normal and does not pull.
+    pub(crate) fn only_presses(&self) -> bool {
+        matches!(&self.bed, Bed::Side { normal, compression_only: true, .. } if !is_zero(normal))
     }
 
-    /// Stiffness along the normal and across it that holds in both directions.
-    fn of_side(&self) -> [f64; 2] {
-        match self.bed {
+    /// Stiffness of a side's spring along the normal and across it at a point, whichever way it acts.
+    fn stiffness_at(&self, point: Point<D>) -> [f64; 2] {
+        match &self.bed {
             Bed::Side {
-                normal,
-                tangential,
-                compression_only,
-                ..
-            } => [if compression_only { 0.0 } else { normal }, tangential],
+                normal, tangential, ..
+            } => [normal, tangential].map(|field| field.at(point, NO_TIME)),
             Bed::Point { .. } => [0.0; 2],
         }
     }
 
-    /// Force per area of a side's spring stretched by a displacement, without a normal part that only presses.
-    pub(crate) fn traction(&self, n: Point<D>, stretched: Point<D>) -> Point<D> {
-        let [normal, across] = self.of_side();
+    /// The same that holds in both directions.
+    fn held_at(&self, point: Point<D>) -> [f64; 2] {
+        let [normal, across] = self.stiffness_at(point);
+        [if self.only_presses() { 0.0 } else { normal }, across]
+    }
+
+    /// Force per area at a point of a side's spring stretched by a displacement, without a normal part that only presses.
+    pub(crate) fn traction(&self, point: Point<D>, n: Point<D>, stretched: Point<D>) -> Point<D> {
+        let [normal, across] = self.held_at(point);
         let along = add_scaled([0.0; D], (across - normal) * dot(n, stretched), n);
         add_scaled(along, -across, stretched)
     }
 
-    /// Stiffnesses are numbers from 0 on, and not all of them 0.
+    /// The points of its side with the stiffness there, those of sampled fields asked for together.
+    ///
+    /// Errors: a stiffness that is negative or no number, or is nowhere positive.
+    fn sampled(
+        &self,
+        points: Vec<SidePoint<D>>,
+    ) -> Result<Vec<(SidePoint<D>, [f64; 2])>, FemError> {
+        let Bed::Side {
+            side,
+            normal,
+            tangential,
+            ..
+        } = &self.bed
+        else {
+            return Ok(Vec::new());
+        };
+        self.check()?;
+        let fields = [normal, tangential];
+        Field::prepare(fields, points.iter().map(|at| at.point), NO_TIME);
+        let mut positive = false;
+        let mut sampled = Vec::with_capacity(points.len());
+        for at in points {
+            let values = self.stiffness_at(at.point);
+            for (field, value) in fields.iter().zip(values) {
+                positive |= value > 0.0;
+                if !(value.is_finite() && value >= 0.0) {
+                    return Err(FemError::Bed {
+                        side: side.clone(),
+                        text: field.to_string(),
+                        value,
+                        point: show(at.point),
+                    });
+                }
+            }
+            sampled.push((at, values));
+        }
+        match positive {
+            true => Ok(sampled),
+            false => Err(FemError::Spring { value: 0.0 }),
+        }
+    }
+
+    /// Stiffnesses that are numbers are so from 0 on, and not all of them 0.
     fn check(&self) -> Result<(), FemError> {
-        let all: &[f64] = match &self.bed {
+        let all: Vec<f64> = match &self.bed {
             Bed::Side {
                 normal, tangential, ..
-            } => &[*normal, *tangential],
-            Bed::Point { stiffness, .. } => stiffness,
+            } => {
+                let constants = [normal, tangential].map(Field::as_constant);
+                constants.into_iter().flatten().collect()
+            }
+            Bed::Point { stiffness, .. } => stiffness.to_vec(),
         };
         let wrong = |value: &&f64| !(value.is_finite() && **value >= 0.0);
+        let varies = matches!(&self.bed, Bed::Side { .. }) && all.len() < 2;
         match all.iter().find(wrong) {
             Some(&value) => Err(FemError::Spring { value }),
-            None if all.iter().all(|&k| k == 0.0) => Err(FemError::Spring { value: 0.0 }),
+            None if !varies && all.iter().all(|&k| k == 0.0) => {
+                Err(FemError::Spring { value: 0.0 })
+            }
             None => Ok(()),
         }
     }
+}
+
+fn is_zero(field: &Field) -> bool {
+    field.as_constant() == Some(0.0)
 }
 
 /// A point at which a spring acts: nodes with their shape functions, the directions in which it holds, and the tensor C times the
@@ -139,14 +226,18 @@ fn shares<const D: usize>(
                 tensor: scaled_axes(*stiffness),
             }])
         }
-        Bed::Side { side, .. } => {
-            let [normal, across] = spring.of_side();
-            let points = side_points(body, side, analysis)?;
-            if normal == 0.0 && across == 0.0 {
+        Bed::Side {
+            side, tangential, ..
+        } => {
+            let points: Vec<SidePoint<D>> = side_points(body, side, analysis)?.collect();
+            let points = spring.sampled(points)?.into_iter();
+            let presses = spring.only_presses();
+            if presses && is_zero(tangential) {
                 return Ok(Vec::new());
             }
             let normals = SideNormals::new(body, side)?;
-            let share = |place: SidePoint<D>| {
+            let share = |(place, [normal, across]): (SidePoint<D>, [f64; 2])| {
+                let normal = if presses { 0.0 } else { normal };
                 let nodes = body.mesh.facet_nodes(place.facet).zip(place.shape);
                 let n = normals.at(place.facet, &place.xi);
                 let mut tensor = scaled_axes([across * place.area; D]);
@@ -234,39 +325,55 @@ pub(crate) fn spring_loads<const D: usize>(
         .collect()
 }
 
-/// A point at which a bed that only presses has a spring of its own.
+/// A point of a bed.
 pub(crate) struct Pad<const D: usize> {
     /// Nodes with their shape functions.
     pub nodes: Vec<(usize, f64)>,
+    /// Undeformed place.
+    pub point: Point<D>,
     /// Outward unit normal.
     pub normal: Point<D>,
     /// Its part of the area, thickness or the full turn included, and without these.
     pub area: f64,
     pub extent: f64,
+    /// Force per area and displacement along the normal and across it.
+    pub stiffness: [f64; 2],
 }
 
-/// The points at which a side is bedded by springs that only press: the fewest that, if all press, give the stiffness ∫ NᵀCN dS
-/// of straight facets.
+impl<const D: usize> Pad<D> {
+    /// There is a spring along the normal.
+    pub fn bears(&self) -> bool {
+        self.stiffness[0] > 0.0
+    }
+}
+
+/// The points of a bed: the fewest that, if at each there is a spring that presses, give the stiffness ∫ NᵀCN dS of straight facets.
 ///
-/// Errors: an unknown or empty side.
+/// Errors: an unknown or empty side; a stiffness that is negative or no number.
 pub(crate) fn pads<const D: usize>(
     body: &Body<D>,
-    side: &str,
+    spring: &Spring<D>,
     analysis: Analysis,
 ) -> Result<Vec<Pad<D>>, FemError> {
+    let Bed::Side { side, .. } = &spring.bed else {
+        return Ok(Vec::new());
+    };
     let normals = SideNormals::new(body, side)?;
     // with axial symmetry the radius is one more factor
     let more = usize::from(analysis == Analysis::Axisymmetric);
     let points = points_of_degree(body, side, analysis, |kind| 2 * kind.order() + more)?;
-    let pad = |place: SidePoint<D>| {
+    let pad = |(place, stiffness): (SidePoint<D>, [f64; 2])| {
         let nodes = body.mesh.facet_nodes(place.facet).zip(place.shape);
         Pad {
             nodes: nodes.map(|(node, n)| (node as usize, n)).collect(),
+            point: place.point,
             normal: normals.at(place.facet, &place.xi),
             area: place.area,
             extent: place.area / measure(analysis, body.thickness, place.point),
+            stiffness,
         }
     };
+    let points = spring.sampled(points.collect())?.into_iter();
     Ok(points.map(pad).collect())
 }
 

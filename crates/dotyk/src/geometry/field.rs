@@ -171,6 +171,15 @@ impl Field {
         }
     }
 
+    /// Equal constants, or copies of one function: other functions may have the same values, which nobody knows.
+    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
+        match (&self.function, &other.function) {
+            (None, None) => self.constant == other.constant,
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            _ => false,
+        }
+    }
+
     /// The value, when it is the same everywhere.
     pub fn as_constant(&self) -> Option<f64> {
         self.function.is_none().then_some(self.constant)

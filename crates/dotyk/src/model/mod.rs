@@ -18,7 +18,7 @@ mod read;
 mod system;
 
 pub use crate::contact::ContactError;
-pub use ask::check::{BodyCheck, Check};
+pub use ask::check::{BodyCheck, Check, MemberCheck};
 pub use ask::compare::{Comparison, ComparisonRow};
 pub use ask::dual::{Dual, Unknown};
 pub(crate) use ask::found::find;

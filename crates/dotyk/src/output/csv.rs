@@ -1,5 +1,5 @@
-//! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line; `sections.csv` and
-//! files of members, such as `bars.csv`: one row per station of a section or of a member.
+//! `contact.csv`: one row per contact node; `lines.csv`: one row per place of a probe along a line; `beds.csv`: one row per point of a
+//! bed; `sections.csv` and files of members, such as `bars.csv`: one row per station of a section or of a member.
 //!
 //! Signs: gap ≥ 0 open, pressure ≥ 0 compression. Vectors along the interface are given in 2D as one number along the
 //! tangent, which is the normal rotated by +90°, in space by their components. Numbers are the shortest that read back to the same
@@ -92,6 +92,36 @@ pub fn lines_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
                 numbers(&mut out, &place.point[..D]);
                 numbers(&mut out, &[place.value]);
                 out.push('\n');
+            }
+        }
+    }
+    (out.len() > head).then_some(out)
+}
+
+/// Beginning of `beds.csv`.
+pub const BEDS_HEAD: &str = "step,bed,point,x,y";
+
+/// Content of `beds.csv` for the steps of one run (numbered from 1), points of integration numbered from 1; `None` without beds.
+pub fn beds_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
+    let axes = &AXES[..D];
+    let mut out = format!(
+        "{BEDS_HEAD}{},n{},area,pressure,gap,shear_{},closed\n",
+        if D == 2 { "" } else { ",z" },
+        axes.join(",n"),
+        axes.join(",shear_")
+    );
+    let head = out.len();
+    for (step, solution) in steps.iter().enumerate() {
+        for bed in &solution.beds {
+            let start = format!("{},{}", step + 1, quoted(&bed.name));
+            for (index, at) in bed.points.iter().enumerate() {
+                // Writing to a String cannot fail.
+                let _ = write!(out, "{start},{}", index + 1);
+                numbers(&mut out, &at.point);
+                numbers(&mut out, &at.normal);
+                numbers(&mut out, &[at.area, at.pressure, at.gap]);
+                numbers(&mut out, &at.shear);
+                let _ = writeln!(out, ",{}", u8::from(at.closed));
             }
         }
     }

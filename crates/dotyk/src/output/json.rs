@@ -5,7 +5,7 @@
 
 use crate::dual::Figure;
 use crate::model::{
-    BodySolution, ContactNode, ContactSolution, CoupleSolution, Intrusion, LinePoint,
+    BedSolution, BodySolution, ContactNode, ContactSolution, CoupleSolution, Intrusion, LinePoint,
     MemberSolution, Seconds, SectionQuantity, SectionSolution, SideRef, Solution, Status,
 };
 use crate::output::Overview;
@@ -121,6 +121,7 @@ fn step_summary<'a, const D: usize>(
                 line: line_entry(&probe.line),
             })
             .collect(),
+        beds: solution.beds.iter().map(bed_entry).collect(),
         members: members(solution),
         sections: solution.sections.iter().map(section_entry).collect(),
         warnings: &solution.warnings,
@@ -213,6 +214,9 @@ struct Summary<'a> {
     contacts: Vec<ContactEntry<'a>>,
     bodies: Vec<BodyEntry<'a>>,
     probes: Vec<ProbeEntry<'a>>,
+    /// Only where sides are bedded.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    beds: Vec<BedEntry<'a>>,
     /// By kinds of which there are some.
     #[serde(flatten)]
     members: Members<'a>,
@@ -410,6 +414,37 @@ struct ExtremeEntry {
     station: usize,
     s: f64,
     at: [f64; 2],
+}
+
+#[derive(Clone, Serialize)]
+struct BedEntry<'a> {
+    name: &'a str,
+    compression_only: bool,
+    /// Times thickness or 2πr.
+    area: f64,
+    closed_area: f64,
+    mean_pressure: f64,
+    max_pressure: f64,
+    max_pressure_at: Option<&'a [f64]>,
+    min_pressure: f64,
+    max_gap: f64,
+    resultant: &'a [f64],
+}
+
+fn bed_entry<const D: usize>(bed: &BedSolution<D>) -> BedEntry<'_> {
+    let largest = bed.largest();
+    BedEntry {
+        name: &bed.name,
+        compression_only: bed.compression_only,
+        area: bed.area(),
+        closed_area: bed.closed_area(),
+        mean_pressure: bed.mean_pressure(),
+        max_pressure: largest.map_or(f64::NAN, |at| at.pressure),
+        max_pressure_at: largest.map(|at| &at.point[..]),
+        min_pressure: bed.min_pressure(),
+        max_gap: bed.max_gap(),
+        resultant: &bed.resultant[..],
+    }
 }
 
 /// Lists of members, each after the key of its kind.

@@ -3,6 +3,7 @@
 //! Result files change together, or not at all: see [`Folder`] and [`Record`]. Numbers and signs are those of the solution; only the report
 //! rounds. The same solution gives the same bytes, except for the timings.
 
+mod beds;
 mod chain;
 mod colour;
 mod compare;
@@ -261,12 +262,13 @@ macro_rules! doors {
         impl Record<'_, $D> {
             /// Writes all result files into a folder: a VTU file per body and step, a VTM file per step that
             /// names them as blocks, `case.pvd`, `contact.csv`, `lines.csv` with a probe along a line, `sections.csv` with a section,
-            /// `bars.csv` and `springs.csv` with such members, `state.bin` if a material yields, `summary.json`, `report.html`.
+            /// `beds.csv` with bedded sides, `bars.csv` and `springs.csv` with such members, `state.bin` if a material yields,
+            /// `summary.json`, `report.html`.
             ///
             /// `seconds.write` in the summary is the time for all other files, and `seconds.total` the time since the run began; the
             /// report, which is one of these files, gives the time up to itself.
             /// Files of other names in the folder stay, except for the VTU and VTM files of an earlier run that its `case.pvd` names,
-            /// and its `lines.csv`, `sections.csv`, files of members and `state.bin`.
+            /// and its `lines.csv`, `sections.csv`, `beds.csv`, files of members and `state.bin`.
             /// Errors: any [`Error`]; then the folder is as it was before.
             pub fn write(&self, folder: &Folder) -> Result<Written, Error> {
                 write(self, folder)
@@ -412,6 +414,9 @@ fn write<const D: usize>(record: &Record<'_, D>, folder: &Folder) -> Result<Writ
     if let Some(sections) = csv::sections_csv(model, steps) {
         stage.put(SECTIONS, sections.as_bytes())?;
     }
+    if let Some(beds) = csv::beds_csv(steps) {
+        stage.put(BEDS, beds.as_bytes())?;
+    }
     for kind in MemberKind::ALL {
         if let Some(forces) = csv::members_csv(*kind, steps) {
             stage.put(&csv::members_file(kind), forces.as_bytes())?;
@@ -464,11 +469,14 @@ const COLLECTION: &str = "case.pvd";
 /// The file of probes along lines.
 const LINES: &str = "lines.csv";
 
+/// The file of beds.
+const BEDS: &str = "beds.csv";
+
 /// The file of section forces.
 const SECTIONS: &str = "sections.csv";
 
 /// Files of an earlier run in a folder that not every run writes: VTU and VTM files named by its collection, and files that look
-/// like its `lines.csv`, `sections.csv`, forces of members or `state.bin`; unreadable ones are left out.
+/// like its `lines.csv`, `sections.csv`, `beds.csv`, forces of members or `state.bin`; unreadable ones are left out.
 fn earlier_files(dir: &Path) -> Vec<String> {
     let read = |name: &str| std::fs::read_to_string(dir.join(name)).unwrap_or_default();
     let text = read(COLLECTION);
@@ -479,6 +487,9 @@ fn earlier_files(dir: &Path) -> Vec<String> {
     }
     if read(SECTIONS).starts_with(csv::SECTIONS_HEAD) {
         files.push(SECTIONS.to_string());
+    }
+    if read(BEDS).starts_with(csv::BEDS_HEAD) {
+        files.push(BEDS.to_string());
     }
     for kind in MemberKind::ALL {
         let name = csv::members_file(kind);

@@ -5,6 +5,7 @@
 
 use crate::geometry::Point;
 use crate::model::{Analysis, BodySolution, ContactSolution, Dimension, Model, Solution, Status};
+use crate::output::beds::beds_section;
 use crate::output::figures::Figures;
 use crate::output::html::{self, Head, column, left, plain, table, table_of_vectors, text};
 use crate::output::interface::largest_gap;
@@ -29,6 +30,7 @@ pub fn page<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let files = [
         (lines, ", lines.csv"),
         (!solution.sections.is_empty(), ", sections.csv"),
+        (!solution.beds.is_empty(), ", beds.csv"),
     ];
     let files = files.iter().filter(|(there, _)| *there);
     let files = files.map(|(_, name)| name.to_string());
@@ -61,6 +63,7 @@ fn content<const D: usize>(run: &Overview<'_, D>) -> Markup {
         probes(model, solution, &labels),
         lines_section(run, &labels),
         sections_section(run, &labels),
+        beds_section(solution, &labels),
         member_sections(run, &labels),
         steps_section(run, &labels),
         markup!("<h2>Model</h2>\n"),

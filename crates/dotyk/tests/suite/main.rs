@@ -2,8 +2,10 @@
 //!
 //! A file is a module; `cargo test --release --test suite rates::` runs one of them.
 
+mod anchors;
 mod anew;
 mod axisymmetric;
+mod beds;
 mod bending;
 mod bolts;
 mod checks;

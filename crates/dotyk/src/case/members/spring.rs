@@ -14,6 +14,7 @@ pub(crate) const KEYS: &[&str] = &[
     "acts",
     "gap",
     "spacing",
+    "count",
     "radius",
     "active",
 ];

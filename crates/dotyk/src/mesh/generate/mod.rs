@@ -11,6 +11,7 @@
 //! bit; the outer nodes of a [`Ring`] from −90 to 90 about the origin and the hole nodes of a [`TunnelRock`] of the same
 //! radius, `cells[0]` and `grade` are the same numbers.
 
+mod axis;
 mod cuboid;
 mod disc;
 mod divided;

@@ -8,6 +8,7 @@
 //! Nodes of second order are images of the same functions: on the true circles, cylinders and spheres.
 
 use crate::geometry::{Point, Surface, add_scaled, dot, norm, sub, unit};
+use crate::mesh::generate::axis::around_axis;
 use crate::mesh::generate::cuboid::{Cuboid, plane_and_solid};
 use crate::mesh::generate::disc::Disc;
 use crate::mesh::generate::layers::{Layers, carried};
@@ -21,10 +22,12 @@ use std::collections::BTreeMap;
 /// A plane mesh carried along z or around an axis; its sides keep their names, `first` and `last` are its two ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Extrude {
-    /// The plane mesh, at z = 0.
+    /// The plane mesh, drawn at z = 0.
     pub mesh: Mesh<2>,
     /// The path of the extrusion.
     pub path: Path,
+    /// Where it begins: z, or degrees of the turn from z = 0.
+    pub offset: f64,
     /// Layers of cells.
     pub layers: usize,
 }
@@ -32,15 +35,15 @@ pub struct Extrude {
 /// The path along which a plane mesh is extruded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Path {
-    /// Along z up to this height, > 0.
+    /// Along z by this height, downwards if it is negative.
     Straight(f64),
-    /// Around an axis in the plane z = 0, right-handed.
+    /// Around an axis in the plane z = 0, right-handed. What lies on the axis stays there.
     Turn {
         /// A point of the axis.
         point: Point<3>,
         /// Its direction, of any length.
         axis: Point<3>,
-        /// In degrees, in (0, 360].
+        /// In degrees, in (0, 360], or left-handed in [−360, 0).
         angle: f64,
     },
 }
@@ -187,11 +190,12 @@ fn hexahedra(generator: &'static str, cell: CellKind) -> Result<(CellKind, CellK
 
 impl Extrude {
     /// The mesh: quad4, quad8, quad9, tri3, tri6 become hex8, hex20, hex27, prism6, prism15; beside a quad9, quad8 and tri6
-    /// become hex27 and prism18.
+    /// become hex27 and prism18. Where the axis of a turn touches the mesh, quadrilaterals with an edge on it become prisms, and a
+    /// mesh of triangles alone becomes one of tetrahedra; sides on the axis go.
     ///
-    /// Errors: a height that is not positive and finite, an angle that is not in (0°, 360°], an axis that is not in the plane
-    /// of the mesh or not beside it, no layers, layers of 180° and more, cells of different order, a side of the mesh that is
-    /// called `first` or `last`.
+    /// Errors: a height that is zero or not finite, an angle that is not in (0°, 360°] or [−360°, 0°), an offset that is not finite, an
+    /// axis that is not in the plane of the mesh, or goes through it, or touches a quadrilateral in one corner, no layers, layers of 180°
+    /// and more, cells of different order, a side of the mesh that is called `first` or `last`.
     pub fn build(&self) -> Result<Mesh<3>, MeshError> {
         let wrong = |key, value: String, need| Err(wrong("extrude", key, value, need));
         let orders = self.mesh.blocks().iter().map(|block| block.kind.order());
@@ -203,14 +207,19 @@ impl Extrude {
         if self.layers == 0 {
             return wrong("layers", "0".to_string(), "use at least one layer");
         }
+        if !self.offset.is_finite() {
+            let need = "must be finite";
+            return wrong("offset", self.offset.to_string(), need);
+        }
         let share = |level: usize| level as f64 / (order * self.layers) as f64;
         match self.path {
             Path::Straight(height) => {
-                if !(height > 0.0 && height.is_finite()) {
-                    let need = "must be positive and finite";
+                let (foot, head) = (self.offset, self.offset + height);
+                if !(height != 0.0 && head.is_finite()) {
+                    let need = "must be finite and not zero";
                     return wrong("height", height.to_string(), need);
                 }
-                let at = |[x, y]: Point<2>, level| [x, y, between(0.0, height, share(level))];
+                let at = |[x, y]: Point<2>, level| [x, y, between(foot, head, share(level))];
                 self.carry(false, at, |mesh, edge| match mesh.curve(edge)? {
                     Surface::Sphere {
                         center: [x, y],
@@ -224,11 +233,12 @@ impl Extrude {
                 })
             }
             Path::Turn { point, axis, angle } => {
-                if !(angle > 0.0 && (angle <= 360.0 || is_full(angle))) {
-                    let need = "must be in (0, 360] degrees";
+                let span = angle.abs();
+                if !(span > 0.0 && (span <= 360.0 || is_full(span))) {
+                    let need = "must be in (0, 360] degrees, or in [-360, 0)";
                     return wrong("angle", angle.to_string(), need);
                 }
-                if angle / self.layers as f64 >= 180.0 {
+                if span / self.layers as f64 >= 180.0 {
                     let need = "so few layers that one spans 180 degrees: use more";
                     return wrong("layers", self.layers.to_string(), need);
                 }
@@ -248,6 +258,17 @@ impl Extrude {
         }
     }
 
+    /// The place of a point of the plane mesh at the beginning of the path.
+    pub fn foot(&self, [x, y]: Point<2>) -> Point<3> {
+        match self.path {
+            Path::Straight(_) => [x, y, self.offset],
+            Path::Turn { point, axis, .. } => {
+                let along = unit([axis[0], axis[1]]).unwrap_or_default();
+                turned([point[0], point[1]], along, [x, y], self.offset)
+            }
+        }
+    }
+
     /// Around an axis in the plane, which the mesh lies beside.
     fn turned(
         &self,
@@ -263,17 +284,12 @@ impl Extrude {
             (low.min(d), high.max(d))
         });
         let least = 1e-9 * self.mesh.diameter();
-        if low <= least && high >= -least {
+        if low < -least && high > least {
             let value = format!("through nodes from {low} to {high} beside it");
-            let need = "the mesh must lie on one side of the axis, without touching it";
+            let need = "the mesh must lie on one side of the axis, and may touch it";
             return Err(wrong("extrude", "axis", value, need));
         }
-        let at = |x: Point<2>, level| {
-            let [cos, sin] = direction(angle * share(level));
-            let d = from_axis(x);
-            let [x, y] = add_scaled(x, (cos - 1.0) * d, aside);
-            [x, y, sin * d]
-        };
+        let at = |x: Point<2>, level| turned(point, along, x, self.offset + angle * share(level));
         let near = |a: f64, b: f64| (a - b).abs() <= least;
         let over = |mesh: &Mesh<2>, edge: Facet| -> Option<Surface<3>> {
             let space = |[x, y]: Point<2>| [x, y, 0.0];
@@ -318,7 +334,21 @@ impl Extrude {
                 }
             }
         };
-        self.carry(is_full(angle), at, over)
+        let closed = is_full(angle.abs());
+        if low <= least && high >= -least {
+            let (full, centred) = self.centred();
+            let plane = centred.as_ref().unwrap_or(&self.mesh);
+            let on = plane.points().iter().map(|&x| near(from_axis(x), 0.0));
+            let on: Vec<bool> = on.collect();
+            return around_axis((plane, &on), full, (self.layers, closed), at, over);
+        }
+        self.carry(closed, at, over)
+    }
+
+    /// Whether cells have all nodes of their order, and the mesh in which they do, if it is another one.
+    fn centred(&self) -> (bool, Option<Mesh<2>>) {
+        let full = has_centres(&self.mesh);
+        (full, full.then(|| with_centres(self.mesh.clone())))
     }
 
     fn carry(
@@ -328,10 +358,19 @@ impl Extrude {
         over: impl Fn(&Mesh<2>, Facet) -> Option<Surface<3>>,
     ) -> Result<Mesh<3>, MeshError> {
         let layers = (self.layers, closed);
-        let centred = has_centres(&self.mesh).then(|| with_centres(self.mesh.clone()));
+        let centred = self.centred().1;
         let mesh = centred.as_ref().unwrap_or(&self.mesh);
         carry(mesh, false, layers, ["first", "last"], at, over)
     }
+}
+
+/// The image of a point of the plane, turned by some degrees around an axis in it: a point of that, and its direction of length one.
+fn turned(point: Point<2>, along: Point<2>, x: Point<2>, degrees: f64) -> Point<3> {
+    let aside = [-along[1], along[0]];
+    let [cos, sin] = direction(degrees);
+    let d = dot(sub(x, point), aside);
+    let [x, y] = add_scaled(x, (cos - 1.0) * d, aside);
+    [x, y, sin * d]
 }
 
 /// Images of the axes under the smallest rotation that takes z to a direction of length one.

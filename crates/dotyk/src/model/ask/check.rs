@@ -9,6 +9,8 @@ use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::mesh::Mesh;
 use crate::model::march::sliding::sliding;
 use crate::model::nouns::error::{Error, Subject};
+use crate::model::nouns::member::{MemberEnd, MemberWords};
+use crate::model::nouns::members::Member;
 use crate::model::nouns::model::*;
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::told::{told_in_steps, told_once};
@@ -50,6 +52,25 @@ pub struct BodyCheck<const D: usize> {
     pub couples: Vec<String>,
 }
 
+/// Description of one member: a bar, a spring between places, a bolt.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MemberCheck {
+    /// Its name.
+    pub name: String,
+    /// The words for its kind.
+    pub kind: MemberWords,
+    /// The choice of its kind in a word, such as its bond.
+    pub chosen: &'static str,
+    /// Where it begins and ends: "BODY.SIDE", or a point.
+    pub ends: [String; 2],
+    /// From its beginning to its end; that of a bolt is 0.
+    pub length: f64,
+    /// Number of its elements.
+    pub elements: usize,
+    /// How many members it stands for.
+    pub count: f64,
+}
+
 /// Description of a model.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Check<const D: usize> {
@@ -57,6 +78,8 @@ pub struct Check<const D: usize> {
     pub bodies: Vec<BodyCheck<D>>,
     /// One per contact.
     pub contacts: Vec<ContactCheck<D>>,
+    /// One per member that can be laid.
+    pub members: Vec<MemberCheck>,
     /// Reasons why no solution is possible.
     pub errors: Vec<String>,
     /// Subject of the first error.
@@ -80,6 +103,7 @@ pub(crate) fn check<const D: usize>(model: &Model<D>, valid: Result<(), Error<D>
 /// Describes the model in each run of load steps between which no part comes or goes; parts that are there in several runs as in
 /// the last of these.
 fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Error<D>> {
+    check.members = check_members(model);
     let mut before = 0;
     let mut warnings: Vec<Vec<String>> = Vec::new();
     for run in model.runs() {
@@ -109,6 +133,28 @@ fn fill<const D: usize>(model: &Model<D>, check: &mut Check<D>) -> Result<(), Er
     };
     check.contacts.sort_by_key(|contact| place(&contact.name));
     Ok(())
+}
+
+/// The members of a model that can be laid.
+fn check_members<const D: usize>(model: &Model<D>) -> Vec<MemberCheck> {
+    let told = |end: &MemberEnd<D>| match end {
+        MemberEnd::Point(point) => show(*point),
+        MemberEnd::Side(side) => format!("{}.{}", model.bodies[side.body.0].name, side.side),
+    };
+    let one = |member: &Member<D>| {
+        let laid = member.lay(model).ok()?;
+        let last = laid.anchors.last();
+        Some(MemberCheck {
+            name: member.name.clone(),
+            kind: member.kind.words(),
+            chosen: member.kind.pull().chosen(member.line.bond),
+            ends: member.line.ends.each_ref().map(told),
+            length: last.map_or(0.0, |last| laid.length_to(last.point)),
+            elements: laid.elements().count(),
+            count: laid.count,
+        })
+    };
+    model.members.iter().filter_map(one).collect()
 }
 
 /// Describes a run at its last load step, then checks the loads of its other steps; `before` is the number of steps of the whole
@@ -481,6 +527,22 @@ impl<const D: usize> fmt::Display for Check<D> {
                     contact.clearance, contact.farthest
                 )?,
                 false => writeln!(f)?,
+            }
+        }
+        for member in &self.members {
+            let MemberWords { key, choice, .. } = member.kind;
+            let [from, to] = &member.ends;
+            write!(f, "{key} \"{}\": from {from} to {to}", member.name)?;
+            if member.length > 0.0 {
+                write!(f, ", length {:.4e}", member.length)?;
+            }
+            write!(f, ", {choice} {}", member.chosen)?;
+            if member.elements > 1 {
+                write!(f, ", {} elements", member.elements)?;
+            }
+            match member.count {
+                1.0 => writeln!(f)?,
+                count => writeln!(f, ", stands for {}", Short(count))?,
             }
         }
         for note in &self.notes {

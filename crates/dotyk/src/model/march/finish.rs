@@ -129,7 +129,7 @@ pub(crate) fn finish<const D: usize>(
     ));
     let (certificate, overlap) = (judged.certificate, judged.intrusion.clone());
     let pushes = pushes(model, condensed, &judged.displaced, lambda);
-    let (mut bodies, contacts) = fields(model, condensed, judged.displaced, lambda)?;
+    let (mut bodies, contacts, beds) = fields(model, condensed, judged.displaced, lambda)?;
     let peaks = peaks(model, &view.outlines, &bodies, &contacts, condensed.time);
     for (body, [stress, utilisation]) in bodies.iter_mut().zip(peaks) {
         body.peak = stress;
@@ -152,6 +152,7 @@ pub(crate) fn finish<const D: usize>(
         members: member_solutions(stage, &condensed.conditions, lambda, &bodies)?,
         bodies,
         contacts,
+        beds,
         sections,
         certificate,
         overlap,

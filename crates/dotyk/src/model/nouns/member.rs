@@ -14,7 +14,13 @@
 //! points move with the cells in which they lie, and meshes need not fit. Across itself it has no stiffness.
 //!
 //! Units: N a force, of one member, tension positive. In the plane a model is as thick as its bodies: with `spacing` it holds
-//! thickness/spacing members.
+//! thickness/spacing members. With axial symmetry it stands for `count` members, each in a meridian plane at an angle of its own from
+//! the next: they are spread evenly around the axis, which is a cone of members. All move alike, so that their energy and their work are
+//! those of one times the count, and their nodal forces are sums over the full turn as all others:
+//!
+//! ```text
+//!   Π = count · ½ k e²,     f = count · N t    along r and z;   the radial parts balance around the turn
+//! ```
 
 use crate::dual::Block;
 use crate::geometry::Point;
@@ -31,8 +37,11 @@ pub struct Line<const D: usize> {
     pub bond: Bond,
     /// Distance of one member to the next across a plane model; `None`: one in the thickness.
     pub spacing: Option<f64>,
-    /// Its ends at points pull at a disc of this radius across it, in the plane at a line twice as long; `None`: at the point itself.
-    pub radius: Option<f64>,
+    /// How many there are in the full turn, with axial symmetry alone.
+    pub count: Option<usize>,
+    /// Of each end, if it is at a point: it pulls at a disc of this radius across the member, in the plane at a line twice as long;
+    /// `None`: at the point itself.
+    pub radius: [Option<f64>; 2],
 }
 
 /// The keys of the two ends in a case file.
@@ -83,7 +92,8 @@ impl<const D: usize> Line<D> {
             bodies: bodies.to_vec(),
             bond: Bond::Ends,
             spacing: None,
-            radius: None,
+            count: None,
+            radius: [None; 2],
         }
     }
 

@@ -455,7 +455,9 @@ impl<const D: usize> Probe<D> {
     pub fn dimension(&self) -> Dimension {
         match (self.reading, self.quantity.dimension()) {
             (Reading::Integral, Dimension::Stress)
-                if self.quantity.is_of_contact() || self.along.is_some() =>
+                if self.quantity.is_of_contact()
+                    || self.quantity.is_of_bed()
+                    || self.along.is_some() =>
             {
                 Dimension::Force
             }

@@ -5,12 +5,12 @@
 //!   BODY.rotation.z       CONTACT.pressure        CONTACT.shear.x
 //!   CONTACT.resultant.x   CONTACT.length          CONTACT.dissipated_work
 //!   SECTION.N             SECTION.M               SECTION.utilisation
-//!   MEMBER.force
+//!   MEMBER.force          BODY.SIDE.pressure      BODY.SIDE.closed_area
 //! ```
 //!
 //! A new quantity is a variant with its word here, and its value in `probe.rs`.
 
-use crate::fem::Body;
+use crate::fem::{Body, Place};
 use crate::geometry::{Point, norm};
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::field::{FieldKind, Needs, Shape};
@@ -64,6 +64,16 @@ pub(crate) enum Parts {
     Member(usize),
     /// Shortening of a bolt; a number.
     Shortening(usize),
+    /// A quantity of the bed of a side of a body.
+    Bed(usize, String, BedQuantity),
+}
+
+/// A quantity of a bed: a field of its points of integration, or a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum BedQuantity {
+    Pressure,
+    Gap,
+    ClosedArea,
 }
 
 /// A component of a vector, or its length.
@@ -185,6 +195,12 @@ const FIELDS: [(&str, ContactField); 6] = [
     ("displacement_mortar", DisplacementMortar),
 ];
 
+const OF_BED: [(&str, BedQuantity); 3] = [
+    ("pressure", BedQuantity::Pressure),
+    ("gap", BedQuantity::Gap),
+    ("closed_area", BedQuantity::ClosedArea),
+];
+
 const LENGTHS: [(&str, Touching); 3] = [
     ("length", Touching::Whole),
     ("length_stick", Touching::Stick),
@@ -224,6 +240,8 @@ pub enum Mistake {
     NotPlastic,
     /// The body has no water in its pores.
     NoWater,
+    /// The side has no springs.
+    NoBed,
 }
 
 impl fmt::Display for QuantityError {
@@ -243,6 +261,10 @@ impl fmt::Display for QuantityError {
             Mistake::NoWater => write!(
                 f,
                 "`{word}` of a body without water in its pores: give it `pore_pressure`"
+            ),
+            Mistake::NoBed => write!(
+                f,
+                "side `{word}` has no bed: give the body `spring = [{{ side = \"{word}\", normal = .. }}]`"
             ),
             Mistake::TooLong => write!(f, "`{word}` has no components here"),
         }
@@ -307,6 +329,7 @@ impl Quantity {
             | Parts::Stress(body, _)
             | Parts::Utilisation(body)
             | Parts::Field(body, ..)
+            | Parts::Bed(body, ..)
             | Parts::Reaction(body, ..) => *body = bodies[*body]?,
             Parts::Along(contact, _)
             | Parts::Resultant(contact, _)
@@ -345,13 +368,15 @@ impl Quantity {
     pub fn dimension(&self) -> Dimension {
         match self.parts {
             Parts::Reaction(..) | Parts::Resultant(..) | Parts::Member(_) => Dimension::Force,
-            Parts::Stress(..) | Parts::Along(_, Pressure | Shear | ShearVector(_)) => {
-                Dimension::Stress
-            }
+            Parts::Stress(..)
+            | Parts::Bed(.., BedQuantity::Pressure)
+            | Parts::Along(_, Pressure | Shear | ShearVector(_)) => Dimension::Stress,
+            Parts::Bed(.., BedQuantity::ClosedArea) => Dimension::Area,
             Parts::Displacement(..)
             | Parts::Along(..)
             | Parts::Length(..)
             | Parts::Shortening(_)
+            | Parts::Bed(.., BedQuantity::Gap)
             | Parts::Obstacle(..) => Dimension::Length,
             Parts::Moment(..) => Dimension::Moment,
             Parts::Dissipated(..) => Dimension::Energy,
@@ -364,7 +389,7 @@ impl Quantity {
 
     /// It varies from place to place.
     pub fn is_field(&self) -> bool {
-        use Parts::{Along, Displacement, Field, Member, Rotation, Section, Stress, Utilisation};
+        use Parts::*;
         matches!(
             self.parts,
             Displacement(..)
@@ -375,6 +400,7 @@ impl Quantity {
                 | Along(..)
                 | Section(..)
                 | Member(_)
+                | Bed(.., BedQuantity::Pressure | BedQuantity::Gap)
         )
     }
 
@@ -409,9 +435,14 @@ impl Quantity {
         matches!(self.parts, Parts::Along(..))
     }
 
-    /// It is known only at the stations of a section or of a member.
+    /// It is known only at the stations of a section or of a member, or at the points of a bed.
     pub fn is_of_stations(&self) -> bool {
-        matches!(self.parts, Parts::Section(..) | Parts::Member(_))
+        matches!(self.parts, Parts::Section(..) | Parts::Member(_)) || self.is_of_bed()
+    }
+
+    /// It is a pressure or gap of a bed.
+    pub fn is_of_bed(&self) -> bool {
+        matches!(self.parts, Parts::Bed(..)) && self.is_field()
     }
 
     /// It is the force of a member.
@@ -500,6 +531,14 @@ fn of_body<const D: usize>(
             words.one_of(1, "side", &sides)?;
             let axis = words.one_of(3, "component", axes)?;
             Ok(Parts::Reaction(index, Some(side.to_string()), axis))
+        }
+        [side, word] if find(&OF_BED, word).is_some() && body.mesh.side(side).is_some() => {
+            let quantity = words.one_of(2, "quantity of a bed", &OF_BED)?;
+            let mut springs = body.springs.iter();
+            match springs.any(|spring| spring.place() == Place::Side(side.to_string())) {
+                true => Ok(Parts::Bed(index, side.to_string(), quantity)),
+                false => Err(words.mistake(Mistake::NoBed, 1, [])),
+            }
         }
         ["displacement"] => Err(words.incomplete(names(&moved))),
         ["rotation"] => Err(words.incomplete(names(turns))),

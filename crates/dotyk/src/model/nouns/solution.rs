@@ -162,6 +162,83 @@ impl<const D: usize> ContactSolution<D> {
     }
 }
 
+/// A bed at a point of integration of its side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BedPoint<const D: usize> {
+    /// Undeformed place.
+    pub point: Point<D>,
+    /// Outward unit normal of the body.
+    pub normal: Point<D>,
+    /// Its part of the side, times thickness or 2πr.
+    pub area: f64,
+    /// On the body, ≥ 0 compression; negative where a bed that acts both ways pulls.
+    pub pressure: f64,
+    /// By how much the body has left a bed that only presses, ≥ 0.
+    pub gap: f64,
+    /// Tangential traction ON the body.
+    pub shear: Point<D>,
+    /// The bed presses.
+    pub closed: bool,
+}
+
+/// The bed of a side: all springs there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BedSolution<const D: usize> {
+    /// "BODY.SIDE".
+    pub name: String,
+    /// The side.
+    pub side: SideRef,
+    /// Its springs along the normal press and do not pull.
+    pub compression_only: bool,
+    /// Points of integration of its facets, facet by facet.
+    pub points: Vec<BedPoint<D>>,
+    /// Force ON the body.
+    pub resultant: Point<D>,
+}
+
+impl<const D: usize> BedSolution<D> {
+    /// Area of the side, times thickness or 2πr.
+    pub fn area(&self) -> f64 {
+        self.points.iter().map(|at| at.area).sum()
+    }
+
+    /// The part of it on which the bed presses.
+    pub fn closed_area(&self) -> f64 {
+        let closed = self.points.iter().filter(|at| at.closed);
+        closed.map(|at| at.area).sum()
+    }
+
+    /// Mean of the pressure over the whole side.
+    pub fn mean_pressure(&self) -> f64 {
+        let forces = self.points.iter().map(|at| at.pressure * at.area);
+        forces.sum::<f64>() / self.area()
+    }
+
+    /// The point with the largest pressure.
+    pub fn largest(&self) -> Option<&BedPoint<D>> {
+        let points = self.points.iter();
+        points.reduce(|best, next| {
+            if next.pressure > best.pressure {
+                next
+            } else {
+                best
+            }
+        })
+    }
+
+    /// The smallest pressure: that of a tension, where a bed pulls.
+    pub fn min_pressure(&self) -> f64 {
+        let pressures = self.points.iter().map(|at| at.pressure);
+        pressures.fold(f64::NAN, f64::min)
+    }
+
+    /// The largest gap.
+    pub fn max_gap(&self) -> f64 {
+        let gaps = self.points.iter().map(|at| at.gap);
+        gaps.fold(f64::NAN, f64::max)
+    }
+}
+
 /// A rigid motion that a body's supports leave free, in words and numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidMode<const D: usize> {
@@ -473,6 +550,8 @@ pub struct Solution<const D: usize> {
     pub bodies: Vec<BodySolution<D>>,
     /// One per contact of the model, in its order.
     pub contacts: Vec<ContactSolution<D>>,
+    /// One per side with springs, in the order of the bodies and of their springs.
+    pub beds: Vec<BedSolution<D>>,
     /// One per member of the model, in its order.
     pub members: Vec<MemberSolution<D>>,
     /// One per section of the model, in its order.
@@ -503,6 +582,11 @@ impl<const D: usize> Solution<D> {
     /// The contact of this name; `None` where it was not there.
     pub fn contact(&self, name: &str) -> Option<&ContactSolution<D>> {
         self.contacts.iter().find(|contact| contact.name == name)
+    }
+
+    /// The bed of this side, "BODY.SIDE"; `None` where it was not there.
+    pub fn bed(&self, name: &str) -> Option<&BedSolution<D>> {
+        self.beds.iter().find(|bed| bed.name == name)
     }
 
     /// The member of this name; `None` where it was not there.

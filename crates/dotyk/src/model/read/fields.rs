@@ -11,6 +11,7 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Analysis, Body, Model, Place, Support};
 use crate::model::nouns::solution::*;
+use crate::model::read::beds::bed_solutions;
 use crate::model::read::coupled::couple_solutions;
 use crate::model::system::bodies::LoadedBody;
 use crate::model::system::border::tell_twins;
@@ -25,7 +26,14 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Solutions of all bodies and contacts from their displacements, and forces `lambda` (m,).
+/// Solutions of all bodies, contacts and beds.
+type Fields<const D: usize> = (
+    Vec<BodySolution<D>>,
+    Vec<ContactSolution<D>>,
+    Vec<BedSolution<D>>,
+);
+
+/// Solutions of all bodies, contacts and beds from their displacements, and forces `lambda` (m,).
 ///
 /// Errors: a group of cells without a material.
 pub(crate) fn fields<const D: usize>(
@@ -33,7 +41,7 @@ pub(crate) fn fields<const D: usize>(
     condensed: &Condensed<D>,
     mut displaced: Displaced<D>,
     lambda: &[f64],
-) -> Result<(Vec<BodySolution<D>>, Vec<ContactSolution<D>>), Error<D>> {
+) -> Result<Fields<D>, Error<D>> {
     let shears = shears(&condensed.problem.admissible, lambda);
     let contacts = contact_rows(&condensed.conditions);
     let contacts = contacts.map(|(index, (rows, condition))| {
@@ -71,6 +79,7 @@ pub(crate) fn fields<const D: usize>(
     }
     let couples = couple_solutions(model, condensed, &displaced, lambda);
     let links = link_forces(model, &condensed.conditions, lambda, &mut displaced.states);
+    let beds = bed_solutions(model, condensed, &displaced.states, lambda)?;
     let others = couples.into_par_iter().zip(links);
     let before = condensed.state.yielded();
     let bodies = (&model.bodies, &condensed.bodies, displaced.states);
@@ -79,7 +88,7 @@ pub(crate) fn fields<const D: usize>(
         let time = condensed.time;
         body_solution((model, time), (body, loaded, before), state, others)
     });
-    Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts))
+    Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts, beds))
 }
 
 /// Pressure of the water in the pores of a body at a time, by place.

@@ -1,6 +1,7 @@
 //! Results read off displaced bodies and their contact forces: fields, sections, probes, peaks, and remarks on them.
 
 pub mod assumptions;
+pub mod beds;
 pub mod coupled;
 pub mod fields;
 pub mod line;

@@ -15,10 +15,11 @@ use crate::model::nouns::field::FieldKind;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::member::MemberSolution;
 use crate::model::nouns::model::{Along, Analysis, Model, Probe, Reading};
-use crate::model::nouns::quantity::{ContactField, Parts, Since, Stress, Touching};
+use crate::model::nouns::quantity::{BedQuantity, ContactField, Parts, Since, Stress, Touching};
 use crate::model::nouns::section::{SectionQuantity, SectionSolution};
 use crate::model::nouns::solution::{
-    BodySolution, ContactNode, LinePoint, ProbeValue, Solution, effective_stress,
+    BedPoint, BedSolution, BodySolution, ContactNode, LinePoint, ProbeValue, Solution,
+    effective_stress,
 };
 use crate::model::read::line::{
     Breaks, Station, points_between, stations_along, stations_at, stations_within,
@@ -139,16 +140,19 @@ fn site<const D: usize>(
         | Parts::Length(..)
         | Parts::Dissipated(..)
         | Parts::Shortening(_)
+        | Parts::Bed(.., BedQuantity::ClosedArea)
         | Parts::Obstacle(..) => return Ok(nowhere),
-        Parts::Section(..) | Parts::Member(_) => match (&probe.along, probe.reading) {
-            (None, Reading::Whole) if !probe.quantity.is_of_member() => {
-                return Err(ProbeError::NoPlace);
+        Parts::Section(..) | Parts::Member(_) | Parts::Bed(..) => {
+            match (&probe.along, probe.reading) {
+                (None, Reading::Whole) if !probe.quantity.is_of_member() => {
+                    return Err(ProbeError::NoPlace);
+                }
+                (Some(_), _) | (_, Reading::MeanOfNeighbours(_) | Reading::Coupled(_)) => {
+                    return Err(ProbeError::StationsAlone);
+                }
+                _ => return Ok(nowhere),
             }
-            (Some(_), _) | (_, Reading::MeanOfNeighbours(_) | Reading::Coupled(_)) => {
-                return Err(ProbeError::StationsAlone);
-            }
-            _ => return Ok(nowhere),
-        },
+        }
     };
     match (&probe.along, probe.reading) {
         (None, Reading::Whole) => return Err(ProbeError::NoPlace),
@@ -211,6 +215,13 @@ fn read<const D: usize>(
     }
     if let Parts::Member(of) = probe.quantity.parts {
         return Ok(along_member(&solution.members[of], probe.reading));
+    }
+    if let Parts::Bed(of, side, quantity) = &probe.quantity.parts {
+        let of_side = |bed: &&BedSolution<D>| bed.side.body.0 == *of && bed.side.side == *side;
+        let bed = solution.beds.iter().find(of_side);
+        return Ok(bed.map_or(f64::NAN.into(), |bed| {
+            within_bed(bed, *quantity, probe.reading)
+        }));
     }
     let field = match field(model, solution, probe) {
         Quantified::Number(number) => return Ok(number.into()),
@@ -323,6 +334,25 @@ fn along_member<const D: usize>(member: &MemberSolution<D>, reading: Reading<D>)
     at_stations(stations.map(|at| (at.point, at.length, at.force)), reading)
 }
 
+/// A quantity of a bed, read at its points.
+fn within_bed<const D: usize>(
+    bed: &BedSolution<D>,
+    quantity: BedQuantity,
+    reading: Reading<D>,
+) -> Read<D> {
+    let value = |at: &BedPoint<D>| match quantity {
+        BedQuantity::Gap => at.gap,
+        BedQuantity::Pressure | BedQuantity::ClosedArea => at.pressure,
+    };
+    match quantity {
+        BedQuantity::ClosedArea => bed.closed_area().into(),
+        _ => at_stations(
+            bed.points.iter().map(|at| (at.point, at.area, value(at))),
+            reading,
+        ),
+    }
+}
+
 /// The value at the station (place, share, value) nearest to a point, or the reduction of all.
 fn at_stations<const D: usize>(
     stations: impl Iterator<Item = (Point<D>, f64, f64)>,
@@ -428,7 +458,7 @@ fn field<'a, const D: usize>(
             number(moved.map_or(f64::NAN, |u| component.of(u)))
         }
         Parts::Shortening(of) => number(solution.members[of].shortening.unwrap_or(f64::NAN)),
-        Parts::Section(..) | Parts::Member(_) => number(f64::NAN),
+        Parts::Section(..) | Parts::Member(_) | Parts::Bed(..) => number(f64::NAN),
         Parts::Rotation(of, axis) => number(rotation(body(of).1, probe.reading, axis)),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);

@@ -15,10 +15,13 @@
 //! all of positive weight. Conditions at nodes would divide the area among them, k = kₙ∫N, which is too stiff for a side that
 //! turns: by a third with one facet across a footing, by 1/n² of that with n facets. Conditions on the nodal forces of the whole
 //! bed, ∫NᵀCN dS u, would open corners of curved facets under an even pressure, because their ∫N is at most zero.
+//!
+//! kₙ is taken at these points, and where it is 0 there is no spring. Where it varies along a facet, Σ_q above is a sum of its values
+//! there: exact for a linear kₙ on lines and quadrilaterals with straight sides, elsewhere with an error of the order of the cells.
 
 use crate::contact::{Coupling, Interface, InterfaceNode, Row, frame};
 use crate::dual::Block;
-use crate::fem::pads;
+use crate::fem::{FemError, Pad, Place, pads};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::Model;
@@ -35,9 +38,13 @@ pub(crate) fn bedded<const D: usize>(
     part: usize,
 ) -> Result<Condition<D>, Error<D>> {
     let body = &model.bodies[of];
-    let (side, stiffness) = body.springs[place].presses().unwrap_or_default();
-    let pads = pads(body, side, model.analysis);
-    let pads = pads.map_err(|source| Error::in_body(body, source))?;
+    let spring = &body.springs[place];
+    let refused = |source| Error::in_body(body, source);
+    let pads = pads(body, spring, model.analysis).map_err(refused)?;
+    let pads: Vec<Pad<D>> = pads.into_iter().filter(Pad::bears).collect();
+    let (Place::Side(side), false) = (spring.place(), pads.is_empty()) else {
+        return Err(refused(FemError::Spring { value: 0.0 }));
+    };
     let mut interface = Interface::empty(Coupling::Normal);
     let mut elastic = Elastic::default();
     for (row, pad) in pads.into_iter().enumerate() {
@@ -55,13 +62,13 @@ pub(crate) fn bedded<const D: usize>(
         interface.mortar.push(less(row, 0));
         elastic
             .stiffness
-            .push(axis::<D>(0).map(|c| c * stiffness * pad.area));
+            .push(axis::<D>(0).map(|c| c * pad.stiffness[0] * pad.area));
         elastic.load.push([0.0; D]);
     }
     let name = format!("spring of {}.{side}", body.name);
     let nonmortar = SideRef {
         body: BodyId(of),
-        side: side.to_string(),
+        side,
     };
     Ok(Condition {
         law: Some(Block::Unilateral),

@@ -66,7 +66,8 @@ impl<const D: usize> LaidCut<D> {
             }
         };
         let sides = [side(0)?, side(1)?];
-        let [behind, ahead] = [0, 1].map(|end| Face::new(model, &sides[end], end));
+        let [behind, ahead] =
+            [0, 1].map(|end| Face::new((&model.bodies, model.analysis), &sides[end], end));
         let (behind, ahead) = (behind?, ahead?);
         let given = bolt.axis.map(|axis| std::array::from_fn(|d| axis[d]));
         let axial = model.analysis == Analysis::Axisymmetric;

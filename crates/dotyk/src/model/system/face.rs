@@ -9,7 +9,6 @@ use crate::fem::{Analysis, Body, FemError, side_points};
 use crate::geometry::{Point, add_scaled};
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::member::{ENDS, MemberError};
-use crate::model::nouns::model::Model;
 use std::collections::BTreeMap;
 
 /// A side as a whole.
@@ -27,9 +26,13 @@ impl<const D: usize> Face<D> {
     /// The side at an end of a member.
     ///
     /// Errors: a side that is unknown or has no area.
-    pub fn new(model: &Model<D>, side: &SideRef, end: usize) -> Result<Self, MemberError> {
-        let body = &model.bodies[side.body.0];
-        Self::of(body, &side.side, model.analysis).map_err(|_| {
+    pub fn new(
+        (bodies, analysis): (&[Body<D>], Analysis),
+        side: &SideRef,
+        end: usize,
+    ) -> Result<Self, MemberError> {
+        let body = &bodies[side.body.0];
+        Self::of(body, &side.side, analysis).map_err(|_| {
             let message = format!("its side \"{}\" is unknown, or has no area", side.side);
             MemberError::new(ENDS[end], message, "no side to pull at", "")
         })

@@ -1,11 +1,11 @@
 //! Positions of members (`nouns/member.rs`): their points, and how these move with the bodies.
 
-use crate::fem::{Analysis, completed};
+use crate::fem::{Analysis, Body, completed, show};
 use crate::geometry::{Point, add_scaled, distance, dot, sub};
 use crate::mesh::{Located, locate_all};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
-use crate::model::nouns::member::{Bond, ENDS, MemberEnd, MemberError, MemberWords};
+use crate::model::nouns::member::{Bond, ENDS, Line, MemberEnd, MemberError, MemberWords};
 use crate::model::nouns::members::Member;
 use crate::model::nouns::model::Model;
 use crate::model::system::bolt::LaidCut;
@@ -56,6 +56,23 @@ const LOOKS: usize = 500;
 /// Points along the half of a plate across a member over which the force of its end is spread.
 const SHARED: usize = 4;
 
+impl<const D: usize> Line<D> {
+    /// The place of an end among these bodies.
+    ///
+    /// Errors: a side that has no place.
+    pub(crate) fn place(
+        &self,
+        bodies: &[Body<D>],
+        analysis: Analysis,
+        end: usize,
+    ) -> Result<Point<D>, MemberError> {
+        match &self.ends[end] {
+            MemberEnd::Point(point) => Ok(*point),
+            MemberEnd::Side(side) => Ok(Face::new((bodies, analysis), side, end)?.centre),
+        }
+    }
+}
+
 impl<const D: usize> Member<D> {
     /// Its two ends in a model; of a bolt the ends of a line through its cut.
     ///
@@ -81,7 +98,7 @@ impl<const D: usize> Member<D> {
     ///
     /// Errors: what is wrong with it.
     pub(crate) fn lay(&self, model: &Model<D>) -> Result<LaidMember<D>, MemberError> {
-        let (line, MemberWords { key, plural, .. }) = (&self.line, self.kind.words());
+        let line = &self.line;
         self.kind.pull().check(line.bond)?;
         if let Some(bolt) = self.kind.bolt() {
             let cut = LaidCut::new(model, self, bolt)?;
@@ -96,22 +113,7 @@ impl<const D: usize> Member<D> {
                 count: 1.0,
             });
         }
-        for (number, value) in [("spacing", line.spacing), ("radius", line.radius)] {
-            value.map_or(Ok(()), |value| MemberError::positive(number, value))?;
-        }
-        if model.analysis == Analysis::Axisymmetric {
-            let message = format!("a {key} has no meaning with axial symmetry");
-            return Err(MemberError::new("", message, "not with axial symmetry", ""));
-        }
-        let spaced = |message| {
-            let label = format!("of how many {plural}?");
-            Err(MemberError::new("spacing", message, label, ""))
-        };
-        if D == 3 && line.spacing.is_some() {
-            return spaced(format!(
-                "`spacing` is across a plane model; in space every {key} is there by itself"
-            ));
-        }
+        self.check_numbers(model)?;
         let places = self.places(model)?;
         let length = distance(places[0], places[1]);
         let across = model.bodies.iter().map(|body| body.mesh.diameter());
@@ -125,17 +127,7 @@ impl<const D: usize> Member<D> {
             anchors.extend(self.within(model, places)?);
         }
         anchors.push(self.end(model, (1, places[1]), along)?);
-        let mut thickness = anchors.iter().map(|a| model.bodies[a.body].thickness);
-        let own = thickness.next().unwrap_or(1.0);
-        let count = match line.spacing {
-            Some(_) if thickness.any(|other| other != own) => {
-                return spaced(format!(
-                    "its bodies differ in thickness: how many {plural} a spacing makes is not clear"
-                ));
-            }
-            Some(spacing) => own / spacing,
-            None => 1.0,
-        };
+        let count = self.count(model, &anchors)?;
         Ok(LaidMember {
             anchors,
             along,
@@ -143,12 +135,70 @@ impl<const D: usize> Member<D> {
         })
     }
 
+    /// Errors: numbers out of their ranges, or of another analysis.
+    fn check_numbers(&self, model: &Model<D>) -> Result<(), MemberError> {
+        let (line, MemberWords { key, plural, .. }) = (&self.line, self.kind.words());
+        let radii = line.radius.map(|radius| ("radius", radius));
+        for (number, value) in [("spacing", line.spacing)].into_iter().chain(radii) {
+            value.map_or(Ok(()), |value| MemberError::positive(number, value))?;
+        }
+        let axial = model.analysis == Analysis::Axisymmetric;
+        let (wrong, message) = match (axial, line.count) {
+            (true, None) => (
+                "",
+                format!(
+                    "with axial symmetry a {key} stands for those all around the axis: `count` says how many"
+                ),
+            ),
+            (true, Some(0)) => ("count", format!("it stands for no {key} at all")),
+            (false, Some(_)) => (
+                "count",
+                format!("`count` is that of {plural} around the axis of symmetry"),
+            ),
+            _ if line.spacing.is_none() => return Ok(()),
+            (true, _) => (
+                "spacing",
+                format!(
+                    "with axial symmetry `count` says how many {plural} there are, not `spacing`"
+                ),
+            ),
+            _ if D == 3 => (
+                "spacing",
+                format!(
+                    "`spacing` is across a plane model; in space every {key} is there by itself"
+                ),
+            ),
+            _ => return Ok(()),
+        };
+        let label = format!("of how many {plural}?");
+        Err(MemberError::new(wrong, message, label, ""))
+    }
+
+    /// How many members it stands for.
+    ///
+    /// Errors: bodies of different thickness.
+    fn count(&self, model: &Model<D>, anchors: &[Anchor<D>]) -> Result<f64, MemberError> {
+        let plural = self.kind.words().plural;
+        let mut thickness = anchors.iter().map(|a| model.bodies[a.body].thickness);
+        let own = thickness.next().unwrap_or(1.0);
+        match (self.line.count, self.line.spacing) {
+            (Some(count), _) => Ok(count as f64),
+            (None, Some(_)) if thickness.any(|other| other != own) => Err(MemberError::new(
+                "spacing",
+                format!(
+                    "its bodies differ in thickness: how many {plural} a spacing makes is not clear"
+                ),
+                format!("of how many {plural}?"),
+                "",
+            )),
+            (None, Some(spacing)) => Ok(own / spacing),
+            (None, None) => Ok(1.0),
+        }
+    }
+
     /// The place of an end.
     fn place(&self, model: &Model<D>, end: usize) -> Result<Point<D>, MemberError> {
-        match &self.line.ends[end] {
-            MemberEnd::Point(point) => Ok(*point),
-            MemberEnd::Side(side) => Ok(mean_of_side(model, side, end)?.point),
-        }
+        self.line.place(&model.bodies, model.analysis, end)
     }
 
     /// The anchor of an end at a point.
@@ -176,7 +226,18 @@ impl<const D: usize> Member<D> {
             return Err(MemberError::new(ENDS[end], message, label, help));
         };
         // where its plate reaches beyond the body, so much is left out on the other side, too: its force stays on its axis
-        let pairs = self.line.radius.map(|radius| plate(point, along, radius));
+        let radius = self.line.radius[end];
+        // across the member in a meridian plane, the plate reaches so far towards the axis
+        let inwards = radius.map_or(0.0, |radius| radius * along[1].abs());
+        if model.analysis == Analysis::Axisymmetric && inwards > point[0] {
+            let message = format!(
+                "the plate of its end at {} reaches over the axis of symmetry",
+                show(point)
+            );
+            let help = "let it end at a side, as { side = \"BODY.SIDE\" }, whose mean it is";
+            return Err(MemberError::new("radius", message, "too large there", help));
+        }
+        let pairs = radius.map(|radius| plate(point, along, radius));
         let points = pairs.unwrap_or_default().concat();
         let spread = locate_all(&model.bodies[body].mesh, &points);
         let within =
@@ -321,7 +382,7 @@ fn mean_of_side<const D: usize>(
     side: &SideRef,
     end: usize,
 ) -> Result<Anchor<D>, MemberError> {
-    let face = Face::new(model, side, end)?;
+    let face = Face::new((&model.bodies, model.analysis), side, end)?;
     Ok(Anchor {
         body: side.body.0,
         nodes: face.shares,

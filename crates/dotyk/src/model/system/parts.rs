@@ -71,7 +71,7 @@ impl Parts {
         });
         let beds = bodies().flat_map(|(index, body)| {
             let springs = body.springs.iter().enumerate();
-            let pressing = springs.filter(|(_, spring)| spring.presses().is_some());
+            let pressing = springs.filter(|(_, spring)| spring.only_presses());
             pressing.map(move |(place, _)| Owner::Bed(index, place))
         });
         let owners = (0..model.bodies.len()).map(Owner::Body);
