@@ -184,7 +184,7 @@ fn points_of_couples_are_in_the_picture_and_in_its_legend() {
         model.bodies[top].couples.push(couple);
     }
     let scene = Scene::new(&model);
-    let (windows, _) = scene.windows(46.0);
+    let (windows, _) = scene.windows(46.0, 760.0);
     assert_eq!(windows.len(), 2);
     for window in windows {
         let sees = |height| window.sees(window.pixel([1.0, 1.0, height]), 46.0 - 1e-9);
