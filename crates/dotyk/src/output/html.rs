@@ -165,6 +165,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_page_has_a_drawing_for_phones_and_a_figure_alone_has_not() {
+        let draw = |width: f64| markup!("<svg width=\"{}\"></svg>\n", width);
+        let page = markup!("<p/>") + fitted(&draw, "one", "words") + fitted(&draw, "two", "more");
+        for width in [WIDTH, PHONE] {
+            assert_eq!(page.matches(&format!("<svg width=\"{width}\">")).count(), 2);
+        }
+        for (title, figure) in page.figures() {
+            assert_eq!(figure.matches("<svg").count(), 1, "{title}");
+            assert!(figure.contains(&format!("<svg width=\"{WIDTH}\">")));
+            assert!(figure.ends_with("</figcaption>\n</figure>\n") && !figure.contains("phone"));
+        }
+    }
+
+    #[test]
     fn figures_are_known_with_their_titles() {
         let titles = ["a < b & 'c'", "&lt;"];
         let drawn = titles.map(|title| figure(&markup!("<svg></svg>\n"), title, "more.</b>"));

@@ -37,7 +37,10 @@ pub struct Abscissae<'a> {
 /// Height of one plot, with title, numbers and label.
 const HEIGHT: f64 = 190.0;
 
-/// The plots as an SVG element: two in a row, on a phone one. The names of several curves stand once, above all.
+/// More plots than this stand three in a row.
+const MANY: usize = 6;
+
+/// The plots as an SVG element: two or three in a row, on a phone one. The names of several curves stand once, above all.
 pub fn panels_figure(
     id: &str,
     title: &str,
@@ -45,7 +48,11 @@ pub fn panels_figure(
     x: &Abscissae<'_>,
     width: f64,
 ) -> Markup {
-    let columns = if width > PHONE { 2 } else { 1 };
+    let columns = match width > PHONE {
+        true if panels.len() > MANY => 3,
+        true => 2,
+        false => 1,
+    };
     let size = [width / columns as f64, HEIGHT];
     let mut svg = Svg::new(id, title, width, 0.0);
     let several = panels.iter().find(|panel| panel.curves.len() > 1);

@@ -174,7 +174,7 @@ fn steps_figure<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Mark
     let title = "Contact and probes against the time of the load steps";
     let draw = |width| {
         let x = Abscissae {
-            axis: Axis::linear("t", "", &times, false, 6).roomy(),
+            axis: Axis::linear("t", "", &times, false, 4).roomy(),
             values: &times,
             hint: &|i, t| format!("step {}, t = {}", i + 1, number(t)),
         };
@@ -339,15 +339,18 @@ mod tests {
         let labels = Labels::of(&model);
         let run = Overview {
             earlier: &earlier,
+            stages: vec![Cow::Borrowed(&model); 2],
             ..tunnel::run(&model, &solution)
         };
         let section = steps_section(&run, &labels);
         // overview, contact and probes
         assert_eq!(section.matches("<td>0.25</td>").count(), 3);
         assert!(section.contains("last of 2 steps"));
-        // three plots of the contact and one of the probe, whose first value is undefined
-        assert_eq!(section.matches("step 1, t = 0.25").count(), 3);
-        assert_eq!(section.matches("step 2, t = 1").count(), 4);
+        // three plots of the contact and one of the probe, whose first value is undefined; for pages and for phones
+        assert_eq!(section.matches("step 1, t = 0.25").count(), 6);
+        assert_eq!(section.matches("step 2, t = 1").count(), 8);
+        // a picture of each step
+        assert_eq!(section.matches("type=\"radio\"").count(), 2);
         assert!(steps_section(&tunnel::run(&model, &solution), &labels).is_empty());
     }
 }

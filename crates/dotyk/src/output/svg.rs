@@ -10,6 +10,9 @@ use std::fmt::Write;
 /// A point of the drawing, in pixels.
 pub type Pixel = [f64; 2];
 
+/// A higher drawing may take more than a third of a sheet of paper.
+const TALL: f64 = 700.0;
+
 /// Text and axes.
 pub const INK: &str = "#1d2733";
 /// Secondary text.
@@ -332,12 +335,16 @@ impl Svg {
     /// The finished drawing, with the namespace that a file of its own needs.
     pub fn finish(self) -> Markup {
         markup!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\"{4} viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" \
              aria-label=\"{2}\" font-family=\"'Inter','Segoe UI',system-ui,-apple-system,'Helvetica Neue',Arial,sans-serif\">\n{3}</svg>\n",
             short(self.width),
             short(self.height),
             self.description,
             self.body,
+            match self.height > TALL {
+                true => markup!(" class=\"tall\""),
+                false => Markup::default(),
+            },
         )
     }
 }
