@@ -35,8 +35,8 @@ pub fn crosses_figure(scene: &Scene, solution: &Solution<2>) -> Markup {
         }
     });
     let caption = format!(
-        "Crosses at nodes of the undeformed bodies, along the principal directions. The longest arms stand for {} and more.",
-        longest.collect::<Vec<_>>().join(", ")
+        "Crosses at nodes of the undeformed bodies, along the principal directions. The longest arms stand for {}, or more.",
+        longest.collect::<Vec<_>>().join("; ")
     );
     let draw = |width| drawing(scene, solution, &ranges, width);
     fitted(&draw, "Principal stresses", &caption)
@@ -152,6 +152,6 @@ mod tests {
             assert!((spread_out(points, view).len() as f64) < squares);
         }
         let page = crosses_figure(&scene, &solution);
-        assert!(page.contains("compression") && page.contains("and more"));
+        assert!(page.contains("compression") && page.contains("or more"));
     }
 }

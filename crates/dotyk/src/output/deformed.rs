@@ -172,7 +172,10 @@ fn close_figure(
     let mut svg = Svg::new("closest", "The largest stress", width, height + STRIP);
     let around = [-reach, reach].map(|r| [centre[0] + r, centre[1] + r]);
     let size = [width - BAR - 2.0, height - 2.0];
-    let view = View::fitted((around[0], around[1]), [1.0, 1.0], size, Margin::all(0.0));
+    let view = View {
+        detail: true,
+        ..View::fitted((around[0], around[1]), [1.0, 1.0], size, Margin::all(0.0))
+    };
     draw_view(&mut svg, scene, solution, &view, 0.0, ranges);
     svg.rectangle(view.corner, view.size, MUTED, "none");
     let at = view.pixel(centre);
