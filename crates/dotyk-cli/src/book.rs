@@ -19,8 +19,12 @@ const PAGE: &str = "index.md";
 /// The text of a folder, with which its page begins.
 const README: &str = "README.md";
 
-/// Titles of figures of the report that no page shows: the first describes the solver, the second is animated.
-const LEFT_OUT: [&str; 2] = ["Convergence", "View that turns"];
+/// Titles of figures of the report that no page shows: the first describes the solver, the others are animated.
+const LEFT_OUT: [&str; 3] = [
+    "Convergence",
+    "View that turns",
+    "Deformed shape over the load steps",
+];
 
 /// A picture of a page.
 pub struct Picture {

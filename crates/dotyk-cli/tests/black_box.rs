@@ -435,7 +435,8 @@ fn a_line_is_told_in_a_table_a_plot_and_its_range() {
         run.stdout
     );
     let page = std::fs::read_to_string(run.folder.join("case-out/report.html")).unwrap();
-    assert_eq!(page.matches(" along a line\"").count(), 2, "a plot each");
+    // each is drawn for pages and for phones
+    assert_eq!(page.matches(" along a line\"").count(), 4, "a plot each");
 }
 
 #[test]
@@ -1585,8 +1586,8 @@ fn every_key_of_a_summary_is_told_in_the_reference() {
 
 #[test]
 fn every_column_of_a_table_is_told_in_the_reference() {
-    let more =
-        "[[section]]\nname = \"cut\"\nbody = \"up\"\nsides = [\"left\", \"right\"]\nstations = 2\n";
+    let more = "[[section]]\nname = \"cut\"\nbody = \"up\"\nsides = [\"left\", \"right\"]\nstations = 2\n\
+         capacity = { compression = 30e6, tension = 3e6 }\n";
     let bar = |ends: [&str; 2]| {
         format!(
             "[[bar]]\nname = \"bolt\"\nfrom = {0}\nto = {1}\nbodies = [\"low\", \"up\"]\nyoung = 1e9\narea = 1e-3\n\

@@ -12,6 +12,12 @@ use crate::output::text::{
     Labels, count, number, power, quantity, vector, vector_on, without_noise,
 };
 
+/// Most contacts with pictures, in the plane and in space.
+const PICTURED: [usize; 2] = [12, 6];
+
+/// The nodes of more contacts than this are listed out of sight together.
+const MOST_LISTS: usize = 12;
+
 /// With more contact nodes than this they are listed only in `contact.csv`.
 const MOST_ROWS: usize = 600;
 
@@ -65,9 +71,21 @@ pub fn contacts<const D: usize>(
     ];
     heads.extend(gapes.then(|| column("opening angle", "rad")));
     out += table(&heads, rows);
-    let drawn = (0..solution.contacts.len()).map(|index| figures.contact(solution, index));
-    let drawn: Vec<Markup> = drawn.filter(|figure| !figure.is_empty()).collect();
-    let left = solution.contacts.len() - drawn.len();
+    let open: Vec<&str> = solution
+        .contacts
+        .iter()
+        .filter(|contact| !touches(contact))
+        .map(|contact| contact.name.as_str())
+        .collect();
+    if !open.is_empty() {
+        out += markup!(
+            "<p>Open everywhere, and not drawn: {}.</p>\n",
+            open.join(", ")
+        );
+    }
+    let most = if D == 3 { PICTURED[1] } else { PICTURED[0] };
+    let drawn = bearing_most(solution, most);
+    let left = solution.contacts.len() - open.len() - drawn.len();
     if left > 0 && !drawn.is_empty() {
         out += markup!(
             "<p>Pictures show the {} contacts that bear most, tied ones last; of the other {} the table tells, and contact.csv.</p>\n",
@@ -75,7 +93,32 @@ pub fn contacts<const D: usize>(
             count(left)
         );
     }
-    out + drawn.into_iter().collect()
+    let drawn = drawn
+        .into_iter()
+        .map(|index| figures.contact(solution, index));
+    out + drawn.collect()
+}
+
+/// At least one of its nodes touches.
+fn touches<const D: usize>(contact: &ContactSolution<D>) -> bool {
+    contact.nodes.iter().any(|node| in_contact(node.status))
+}
+
+/// Indices of at most this many contacts that touch: those that are not tied and bear most; in their order.
+fn bearing_most<const D: usize>(solution: &Solution<D>, most: usize) -> Vec<usize> {
+    let contacts = &solution.contacts;
+    let mut list: Vec<usize> = (0..contacts.len())
+        .filter(|&i| touches(&contacts[i]))
+        .collect();
+    let tied = |i: usize| {
+        let first = contacts[i].nodes.first();
+        first.is_some_and(|node| node.status == Status::Tied)
+    };
+    let force = |i: usize| norm(contacts[i].resultant);
+    list.sort_by(|&a, &b| tied(a).cmp(&tied(b)).then(force(b).total_cmp(&force(a))));
+    list.truncate(most);
+    list.sort_unstable();
+    list
 }
 
 /// A side is flat if its normals differ by at most this.
@@ -180,19 +223,17 @@ pub fn balance<const D: usize>(
         table(&heads, rows)
     );
     let c = &solution.certificate;
-    let sides: Vec<String> = solution
+    let worst = solution
         .contacts
         .iter()
-        .map(|k| format!("{} {}", k.name, power(k.imbalance)))
-        .collect();
-    let action = if sides.is_empty() {
-        String::new()
-    } else {
+        .max_by(|a, b| a.imbalance.total_cmp(&b.imbalance));
+    let action = worst.map_or(String::new(), |contact| {
         format!(
-            " Action and reaction across the contacts differ by (relative): {}.",
-            sides.join(", ")
+            " Action and reaction across a contact differ at most by {} (relative), in {}.",
+            power(contact.imbalance),
+            contact.name
         )
-    };
+    });
     out + markup!(
         "<p>What is left over on the worst body: force {}, moment {} (relative {} and {}).{}</p>\n",
         quantity(c.imbalance_force.value, &labels.force),
@@ -224,7 +265,8 @@ pub fn contact_nodes<const D: usize>(solution: &Solution<D>, labels: &Labels) ->
     if solution.contacts.is_empty() {
         return Markup::default();
     }
-    let mut out = markup!("<h2>Contact nodes</h2>\n");
+    let many = solution.contacts.len() > MOST_LISTS;
+    let mut out = Markup::default();
     for contact in &solution.contacts {
         if contact.nodes.len() > MOST_ROWS {
             out += markup!(
@@ -268,15 +310,25 @@ pub fn contact_nodes<const D: usize>(solution: &Solution<D>, labels: &Labels) ->
             .collect();
         out += markup!(
             "<details{}>\n<summary>{}: {} nodes</summary>\n{}</details>\n",
-            if contact.nodes.len() <= 12 {
-                " open"
-            } else {
-                ""
+            match contact.nodes.len() <= 12 && touches(contact) && !many {
+                true => " open",
+                false => "",
             },
             contact.name,
             count(contact.nodes.len()),
             table(&heads, rows)
         );
     }
-    out
+    let head = markup!("<h2>Contact nodes</h2>\n");
+    match many {
+        true => {
+            let all = count(solution.contacts.len());
+            head + markup!(
+                "<details>\n<summary>{} contacts</summary>\n{}</details>\n",
+                all,
+                out
+            )
+        }
+        false => head + out,
+    }
 }

@@ -164,11 +164,16 @@ pub const SECTIONS_HEAD: &str =
     "step,section,station,s,x,y,angle,thickness,N,V,M,stress_first,stress_second";
 
 /// Content of `sections.csv` for the steps of one run (numbered from 1), stations numbered from 1; `None` without sections.
-/// With axial symmetry `hoop_N` and `hoop_M` follow, the forces around the axis.
+/// With axial symmetry `hoop_N` and `hoop_M` follow, the forces around the axis, and `utilisation` if a section has a capacity.
 pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Option<String> {
     let hoop = model.analysis == Analysis::Axisymmetric;
+    let limited = model
+        .sections
+        .iter()
+        .any(|section| section.capacity.is_some());
     let more = if hoop { ",hoop_N,hoop_M" } else { "" };
-    let mut out = format!("{SECTIONS_HEAD}{more}\n");
+    let last = if limited { ",utilisation" } else { "" };
+    let mut out = format!("{SECTIONS_HEAD}{more}{last}\n");
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for section in &solution.sections {
@@ -187,6 +192,9 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
                     &mut out,
                     station.hoop.as_ref().map_or(&[], |hoop| &hoop[..]),
                 );
+                if limited {
+                    numbers(&mut out, &[station.utilisation.unwrap_or(f64::NAN)]);
+                }
                 out.push('\n');
             }
         }
@@ -242,7 +250,7 @@ fn numbers(out: &mut String, values: &[f64]) {
 mod tests {
     use super::*;
     use crate::geometry::Field;
-    use crate::model::{BodyId, Stations};
+    use crate::model::{BodyId, Capacity, Stations};
     use crate::output::tunnel;
 
     #[test]
@@ -351,6 +359,20 @@ mod tests {
         let station = &solution.sections[0].stations[3];
         assert_eq!(rows[3][..3], ["1", "wall", "4"]);
         assert_eq!(rows[3][8].parse(), Ok(station.normal), "bits must survive");
+        let used = rows.iter().map(|row| row.len());
+        assert!(used.eq([13; 5]), "no utilisation without a capacity");
+        model.sections[0].capacity = Some(Capacity {
+            compression: 30.0,
+            tension: 3.0,
+            reinforcement: Vec::new(),
+        });
+        let solution = model.solve().unwrap();
+        let text = sections_csv(&model, std::slice::from_ref(&solution)).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].ends_with(",stress_second,utilisation"));
+        let used = solution.sections[0].stations[3].utilisation;
+        let told = lines[4].rsplit(',').next().map(|cell| cell.parse::<f64>());
+        assert_eq!(told, used.map(Ok), "bits must survive");
         // half a ring from its invert up to its crown, the inner side on the left
         assert_eq!(rows[0][6].parse::<f64>().unwrap().round(), 0.0);
         assert_eq!(rows[4][6].parse::<f64>().unwrap().abs().round(), 180.0);

@@ -4,15 +4,20 @@
 
 use crate::geometry::{Point, padded};
 use crate::model::{Model, SideRef, Solution};
-use crate::output::deformed::deformed_figure;
-use crate::output::html::figure;
-use crate::output::interface::interface_figure;
+use crate::output::Overview;
+use crate::output::crosses::crosses_figure;
+use crate::output::deformed::{deformed_course, deformed_figures};
+use crate::output::film;
+use crate::output::html::fitted;
+use crate::output::interface::{Stretch, interface_figure};
+use crate::output::lines::spread;
 use crate::output::markup::Markup;
 use crate::output::picture::Picture;
 use crate::output::scene::Scene;
 use crate::output::setup::setup_figure;
 use crate::output::space;
-use crate::output::text::count;
+use crate::output::text::{Labels, count, number};
+use crate::output::trough::trough_figure;
 use crate::output::utilisation::utilisation_picture;
 use crate::output::yielding::yielding_picture;
 use std::any::Any;
@@ -49,15 +54,15 @@ impl<'a> Figures<'a> {
             return Markup::default();
         };
         let alone: Vec<Point<2>> = alone.iter().map(|p| [p[0], p[1]]).collect();
-        let drawing = setup_figure(scene, &alone);
-        figure(
-            &drawing,
+        fitted(
+            &|width| setup_figure(scene, &alone, width),
             "Mesh, supports and loads",
             &mesh_caption(scene.model),
         )
     }
 
-    /// The deformed shape, coloured by stress; in space a view that turns and a section, too.
+    /// The deformed shape, coloured by stress, and the largest stress; in space a view that turns and a section, too, in the plane
+    /// the principal stresses.
     pub fn deformed<const D: usize>(&self, solution: &Solution<D>) -> Markup {
         if let (Some(scene), Some(solution)) = (&self.space, known(solution)) {
             return space::stress_figures(scene, solution);
@@ -65,9 +70,16 @@ impl<'a> Figures<'a> {
         let (Some(scene), Some(solution)) = (&self.plane, known(solution)) else {
             return Markup::default();
         };
-        let (drawing, caption) = deformed_figure(scene, solution);
-        let more = " Dashed: undeformed outline. Colour: von Mises stress, recovered at the nodes.";
-        figure(&drawing, "Deformed shape", &format!("{caption}{more}"))
+        deformed_figures(scene, solution) + crosses_figure(scene, solution)
+    }
+
+    /// The vertical displacement of the surface of ground after load steps; nothing in space.
+    pub fn trough<const D: usize>(&self, steps: &[&Solution<D>]) -> Markup {
+        let steps: Option<Vec<&Solution<2>>> = steps.iter().map(|step| known(*step)).collect();
+        match (&self.plane, steps) {
+            (Some(scene), Some(steps)) => trough_figure(scene, &steps),
+            _ => Markup::default(),
+        }
     }
 
     /// The utilisation of the strength, with the line where it is 1.
@@ -94,8 +106,8 @@ impl<'a> Figures<'a> {
             return Markup::default();
         };
         let picture = in_plane(solution);
-        let drawing = picture.in_plane(scene, solution);
-        figure(&drawing, picture.title, &picture.caption)
+        let draw = |width| picture.in_plane(scene, solution, width);
+        fitted(&draw, picture.title, &picture.caption)
     }
 
     /// Pressure and gap along a contact, in space on its faces.
@@ -108,8 +120,7 @@ impl<'a> Figures<'a> {
         };
         let contact = &solution.contacts[index];
         let law = &scene.model.contacts[index].law;
-        let Some(drawing) = interface_figure(scene, contact, law, &format!("interface{index}"))
-        else {
+        let Some(stretch) = Stretch::of(contact) else {
             return Markup::default();
         };
         let bodies = &scene.model.bodies;
@@ -117,16 +128,76 @@ impl<'a> Figures<'a> {
         let other = contact.mortar.as_ref().map(name);
         let other = other.unwrap_or("a rigid obstacle".to_string());
         let caption = format!(
-            "{} against {other}. Pressure is positive in compression, the gap is that after deformation. Arrows: pressure on {}.",
+            "{} against {other}. Pressure is positive in compression, the gap is that after deformation. Arrows: pressure on {}.{}",
             name(&contact.nonmortar),
             bodies[contact.nonmortar.body.0].name,
+            stretch.in_words(&Labels::of(scene.model)),
         );
         let title = format!(
             "Contact pressure and gap along the interface {}",
             contact.name
         );
-        figure(&drawing, &title, &caption)
+        let id = format!("interface{index}");
+        let draw = |width| interface_figure(scene, contact, &stretch, law, (&id, width));
+        fitted(&draw, &title, &caption)
     }
+}
+
+/// The deformed shape after some of the load steps, all in one window and with the same colours; empty with a single step.
+pub fn course<const D: usize>(run: &Overview<'_, D>) -> Markup {
+    let steps: Vec<&Solution<D>> = run.steps().collect();
+    if steps.len() < 2 {
+        return Markup::default();
+    }
+    let shown = spread(steps.len(), film::MOST);
+    let pairs = shown
+        .iter()
+        .map(|&step| (run.stages[step].as_ref(), steps[step]));
+    let pairs: Vec<(&Model<D>, &Solution<D>)> = pairs.collect();
+    let (drawings, factor) = match (of_dimension(&pairs), of_dimension(&pairs)) {
+        (Some(plane), _) => known(run.model).map(|whole| deformed_course(whole, &plane)),
+        (_, Some(space)) => known(run.model).map(|whole| space::deformed_course(whole, &space)),
+        _ => None,
+    }
+    .unwrap_or_default();
+    let name = |step: usize| {
+        let own = run
+            .step_name(step)
+            .map_or(String::new(), |name| format!(": {name}"));
+        format!("{}, t = {}{own}", step + 1, number(steps[step].time))
+    };
+    let frames = shown
+        .iter()
+        .zip(drawings)
+        .map(|(&step, drawing)| film::Frame {
+            name: name(step),
+            drawing,
+        });
+    let some = match shown.len() < steps.len() {
+        true => format!(" {} of {} load steps.", shown.len(), count(steps.len())),
+        false => String::new(),
+    };
+    let caption = format!(
+        "Displacements are magnified {} times in all pictures, and the colours of the von Mises stress are the same.{some}",
+        number(factor)
+    );
+    let title = "Deformed shape over the load steps";
+    film::film(
+        &format!("film-{}", run.stem),
+        &frames.collect::<Vec<_>>(),
+        title,
+        &caption,
+    )
+}
+
+/// Stages and solutions as those of the plane or of space, if they are.
+fn of_dimension<'a, const D: usize, const E: usize>(
+    pairs: &[(&'a Model<D>, &'a Solution<D>)],
+) -> Option<Vec<(&'a Model<E>, &'a Solution<E>)>> {
+    let each = pairs
+        .iter()
+        .map(|(model, solution)| Some((known(*model)?, known(*solution)?)));
+    each.collect()
 }
 
 fn mesh_caption(model: &Model<2>) -> String {

@@ -3,7 +3,7 @@
 use crate::model::{HistoryPoint, Solution};
 use crate::output::markup::Markup;
 use crate::output::plot::{Axis, Frame};
-use crate::output::scene::WIDTH;
+use crate::output::scene::ticks;
 use crate::output::svg::{Anchor, MUTED, SERIES, Svg, Type};
 use crate::output::text::power;
 
@@ -13,7 +13,11 @@ const MOST_DRAWN: usize = 1200;
 const MOST_DOTS: usize = 60;
 
 /// The figure as an SVG element; `None` without a history.
-pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) -> Option<Markup> {
+pub fn history_figure<const D: usize>(
+    solution: &Solution<D>,
+    tolerance: f64,
+    width: f64,
+) -> Option<Markup> {
     let history = thinned(&solution.solver.history);
     if history.is_empty() {
         return None;
@@ -21,7 +25,7 @@ pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) ->
     let mut svg = Svg::new(
         "history",
         "Residual and active contact unknowns against iterations",
-        WIDTH,
+        width,
         330.0,
     );
     let at = |h: &HistoryPoint| h.iteration as f64;
@@ -29,12 +33,12 @@ pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) ->
     let residuals: Vec<f64> = history.iter().map(|h| h.residual).collect();
     let limits: Vec<f64> = residuals.iter().copied().chain([tolerance]).collect();
     // Room on both sides keeps the first and last points off the frame.
-    let mut x = Axis::counts("Iteration", &iterations, false, 10);
+    let mut x = Axis::counts("Iteration", &iterations, false, ticks(width) + 2);
     let room = 0.02 * (x.range[1] - x.range[0]);
     x.range = [x.range[0] - room, x.range[1] + room];
     let upper = Frame {
         corner: [78.0, 12.0],
-        size: [WIDTH - 94.0, 170.0],
+        size: [width - 94.0, 170.0],
         x: x.clone(),
         y: Axis::log("Residual (relative)", &limits),
     };
@@ -59,7 +63,7 @@ pub fn history_figure<const D: usize>(solution: &Solution<D>, tolerance: f64) ->
     let y = Axis::counts("Active", &actives, true, 4).widened(0.08);
     let lower = Frame {
         corner: [78.0, 196.0],
-        size: [WIDTH - 94.0, 84.0],
+        size: [width - 94.0, 84.0],
         x,
         y,
     };

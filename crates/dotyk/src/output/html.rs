@@ -1,12 +1,16 @@
 //! The HTML of the pages: their frame, figures, banners and tables.
 
 use crate::output::markup::{Markup, markup};
+use crate::output::scene::{PHONE, WIDTH};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 /// The only script of all pages: it turns the view of a model in space.
 const SCRIPT: &str = concat!("\n", include_str!("space/turning.js"));
+
+/// Most rows of a table that no page of paper divides.
+const SHORT: usize = 16;
 
 /// The element of the script.
 pub fn script() -> Markup {
@@ -41,11 +45,23 @@ pub fn banner(class: &str, title: &str, body: &Markup) -> Markup {
     )
 }
 
-/// A drawing with title and caption.
+/// A drawing of one width, with title and caption: on a phone it scrolls.
 pub fn figure(svg: &Markup, title: &str, caption: &str) -> Markup {
     markup!(
-        "<figure>\n{}<figcaption><b>{}.</b> {}</figcaption>\n</figure>\n",
+        "<figure>\n<div class=\"scroll\">{}</div>\n<figcaption><b>{}.</b> {}</figcaption>\n</figure>\n",
         svg,
+        title,
+        caption
+    )
+    .titled(title)
+}
+
+/// A drawing that `draw` lays out for a width, with title and caption: the page shows that for pages or that for phones.
+pub fn fitted(draw: &dyn Fn(f64) -> Markup, title: &str, caption: &str) -> Markup {
+    markup!(
+        "<figure>\n<div class=\"wide\">{}</div>\n<div class=\"phone\">{}</div>\n<figcaption><b>{}.</b> {}</figcaption>\n</figure>\n",
+        draw(WIDTH),
+        draw(PHONE),
         title,
         caption
     )
@@ -122,12 +138,18 @@ pub fn table(heads: &[Head], rows: Vec<Vec<Entry>>) -> Markup {
         markup!("<th{}>{}{}</th>", class(head.left), head.name, unit)
     };
     let cell = |cell: Entry| markup!("<td{}>{}</td>", class(cell.words), cell.content);
+    // one that is short stays whole on paper
+    let short = match rows.len() <= SHORT {
+        true => markup!(" short"),
+        false => Markup::default(),
+    };
     let row = |row: Vec<Entry>| {
         let cells: Markup = row.into_iter().map(cell).collect();
         markup!("<tr>{}</tr>\n", cells)
     };
     markup!(
-        "<div class=\"scroll\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
+        "<div class=\"scroll{}\"><table>\n<thead><tr>{}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
+        short,
         heads.iter().map(head).collect::<Markup>(),
         rows.into_iter().map(row).collect::<Markup>()
     )
@@ -141,6 +163,20 @@ pub fn table_of_vectors(heads: &[Head], rows: Vec<Vec<Entry>>) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_page_has_a_drawing_for_phones_and_a_figure_alone_has_not() {
+        let draw = |width: f64| markup!("<svg width=\"{}\"></svg>\n", width);
+        let page = markup!("<p/>") + fitted(&draw, "one", "words") + fitted(&draw, "two", "more");
+        for width in [WIDTH, PHONE] {
+            assert_eq!(page.matches(&format!("<svg width=\"{width}\">")).count(), 2);
+        }
+        for (title, figure) in page.figures() {
+            assert_eq!(figure.matches("<svg").count(), 1, "{title}");
+            assert!(figure.contains(&format!("<svg width=\"{WIDTH}\">")));
+            assert!(figure.ends_with("</figcaption>\n</figure>\n") && !figure.contains("phone"));
+        }
+    }
 
     #[test]
     fn figures_are_known_with_their_titles() {

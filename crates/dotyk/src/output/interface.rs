@@ -9,7 +9,7 @@ use crate::output::chain::{angles, arc_lengths, tangent};
 use crate::output::json::{in_contact, largest};
 use crate::output::markup::Markup;
 use crate::output::plot::{Axis, Frame};
-use crate::output::scene::{Scene, WIDTH, outline_path, polyline};
+use crate::output::scene::{PHONE, Scene, outline_path, polyline, ticks};
 use crate::output::svg::{
     Anchor, CLOSED, INK, MUTED, OPEN, Pixel, SERIES, SLIP, STICK, Svg, TINTS, Type, segments,
     text_width,
@@ -19,78 +19,156 @@ use crate::output::text::{Labels, number, quantity, without_noise};
 /// More nodes than this are drawn as a line without dots.
 const MOST_DOTS: usize = 120;
 
-/// The figure as an SVG element; empty for a contact without nodes.
+/// What touches on a smaller part of its side is drawn alone, with its surroundings.
+const SMALL: f64 = 0.2;
+
+/// A part of an interface, and whether it is not all of it.
+pub struct Stretch<'a> {
+    /// In their order along the side.
+    chain: Vec<&'a ContactNode<2>>,
+    /// Arc lengths, negative before the first node of a closed interface.
+    arcs: Vec<f64>,
+    /// Length of the whole side.
+    whole: f64,
+    part: bool,
+}
+
+impl<'a> Stretch<'a> {
+    /// What touches with its surroundings, where the whole side would show it as a spike; otherwise all of it. `None` for a contact
+    /// that touches nowhere.
+    pub fn of(contact: &'a ContactSolution<2>) -> Option<Self> {
+        let mut chain: Vec<&ContactNode<2>> = contact.nodes.iter().collect();
+        if contact.cyclic {
+            chain.push(&contact.nodes[0]);
+        }
+        let points: Vec<Point<2>> = chain.iter().map(|n| n.point).collect();
+        let mut arcs = arc_lengths(&points);
+        let whole = *arcs.last()?;
+        if contact.cyclic {
+            cut_where_open(&mut chain, &mut arcs, whole);
+        }
+        let touches = |node: &&ContactNode<2>| in_contact(node.status);
+        let (first, last) = (
+            chain.iter().position(touches)?,
+            chain.iter().rposition(touches)?,
+        );
+        // a single node touches halfway to its neighbours
+        let ends = [first.saturating_sub(1), (last + 1).min(chain.len() - 1)];
+        let size = (arcs[last] - arcs[first]).max(0.5 * (arcs[ends[1]] - arcs[ends[0]]));
+        let part = size < SMALL * whole;
+        if part {
+            let (low, high) = (arcs[first] - size, arcs[last] + size);
+            let seen = |arc: f64| arc >= low && arc <= high;
+            let from = arcs.iter().position(|&arc| seen(arc)).unwrap_or(first);
+            let to = arcs.iter().rposition(|&arc| seen(arc)).unwrap_or(last);
+            let range = from.min(ends[0])..to.max(ends[1]) + 1;
+            chain = chain[range.clone()].to_vec();
+            arcs = arcs[range].to_vec();
+        }
+        Some(Self {
+            chain,
+            arcs,
+            whole,
+            part,
+        })
+    }
+
+    /// Words for the caption, where it is a part.
+    pub fn in_words(&self, labels: &Labels) -> String {
+        let shown = self.arcs.last().unwrap_or(&0.0) - self.arcs.first().unwrap_or(&0.0);
+        match self.part {
+            true => format!(
+                " Of the side, {} long, the {} around what touches are drawn.",
+                quantity(self.whole, &labels.length),
+                quantity(shown, &labels.length)
+            ),
+            false => String::new(),
+        }
+    }
+}
+
+/// Begins a closed interface amid its longest open part if its first node touches, so that what touches is one piece; arcs before the
+/// first node are negative.
+fn cut_where_open(chain: &mut Vec<&ContactNode<2>>, arcs: &mut Vec<f64>, whole: f64) {
+    let open = |k: usize| !in_contact(chain[k].status);
+    if open(0) || !(0..chain.len()).any(open) {
+        return;
+    }
+    let (mut longest, mut start) = (0..0, None);
+    for k in 0..chain.len() {
+        match (open(k), start) {
+            (true, None) => start = Some(k),
+            (false, Some(from)) => {
+                if arcs[k] - arcs[from] > arcs[longest.end] - arcs[longest.start] {
+                    longest = from..k;
+                }
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    let cut = (longest.start + longest.end) / 2;
+    // the last node is the first one again
+    let nodes = chain[cut..].iter().chain(&chain[1..=cut]).copied();
+    let places = arcs[cut..].iter().map(|arc| arc - whole);
+    let places: Vec<f64> = places.chain(arcs[1..=cut].iter().copied()).collect();
+    (*chain, *arcs) = (nodes.collect(), places);
+}
+
+/// The figure as an SVG element.
 pub fn interface_figure(
     scene: &Scene,
     contact: &ContactSolution<2>,
+    stretch: &Stretch<'_>,
     law: &Law,
-    id: &str,
-) -> Option<Markup> {
-    if contact.nodes.is_empty() {
-        return None;
-    }
+    (id, full): (&str, f64),
+) -> Markup {
     let labels = Labels::of(scene.model);
-    let mut chain: Vec<&ContactNode<2>> = contact.nodes.iter().collect();
-    if contact.cyclic {
-        chain.push(&contact.nodes[0]);
-    }
+    let Stretch { chain, arcs, .. } = stretch;
     let points: Vec<Point<2>> = chain.iter().map(|n| n.point).collect();
-    let arcs = arc_lengths(&points);
     let (low, high) = bounding_box(&points);
     let extent = sub(high, low);
-    let beside = extent[1] > 0.4 * extent[0];
-    let panels = panels(&chain, law, scene.model.last_time(), &labels);
-    let picture_width = if beside { 236.0 } else { WIDTH };
+    let beside = extent[1] > 0.4 * extent[0] && full > PHONE;
+    let panels = panels(chain, law, scene.model.last_time(), &labels);
+    let picture_width = if beside { 236.0 } else { full };
     let heights: f64 = panels.iter().map(|p| p.height + 12.0).sum();
     let angles = angles(&points);
     let head = if angles.is_some() { 46.0 } else { 26.0 };
 
     let description = format!("Contact pressure and gap along {}", contact.name);
-    let mut svg = Svg::new(id, &description, WIDTH, 0.0);
+    let mut svg = Svg::new(id, &description, full, 0.0);
     let strip = if beside {
         0.0
     } else {
-        ((extent[1] / extent[0].max(f64::MIN_POSITIVE) + 0.24) * 610.0 + 36.0).min(300.0)
+        let tall = extent[1] / extent[0].max(f64::MIN_POSITIVE) + 0.24;
+        (tall * 0.8 * full + 36.0).min(300.0)
     };
     let left = 74.0;
     let width = if beside {
-        WIDTH - picture_width - left - 30.0
+        full - picture_width - left - 30.0
     } else {
-        WIDTH - left - 16.0
+        full - left - 16.0
     };
     let top = strip + head;
     draw_panels(
         &mut svg,
         &panels,
-        (&chain, &arcs, angles.as_deref()),
+        (chain, arcs, angles.as_deref()),
         [left, top],
         width,
         &labels,
     );
     let bottom = top + heights + 44.0;
-    if beside {
-        picture(
-            &mut svg,
-            scene,
-            contact,
-            &chain,
-            [WIDTH - picture_width, 6.0],
+    let (corner, size) = match beside {
+        true => (
+            [full - picture_width, 6.0],
             [picture_width - 2.0, bottom - 12.0],
-            &labels,
-        );
-    } else {
-        picture(
-            &mut svg,
-            scene,
-            contact,
-            &chain,
-            [left, 4.0],
-            [width, strip - 8.0],
-            &labels,
-        );
-    }
+        ),
+        false => ([left, 4.0], [width, strip - 8.0]),
+    };
+    picture(&mut svg, scene, contact, chain, corner, size, &labels);
     svg.set_height(bottom);
-    Some(svg.finish())
+    svg.finish()
 }
 
 /// One plot of the stack.
@@ -159,7 +237,7 @@ fn draw_panels(
         &labels.length,
         arcs,
         false,
-        8,
+        ticks(width + 90.0),
     );
     let mut top = corner[1];
     for (k, panel) in panels.iter().enumerate() {
@@ -442,17 +520,64 @@ pub fn largest_gap<const D: usize>(nodes: &[ContactNode<D>]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::scene::WIDTH;
     use crate::output::tunnel;
 
     #[test]
     fn friction_adds_shear_and_slip() {
         let (model, solution) = tunnel::solved();
         let scene = Scene::new(&model);
-        let plain =
-            interface_figure(&scene, &solution.contacts[0], &Law::Frictionless, "a").unwrap();
-        assert!(plain.contains("Pressure [MN/m²]") && !plain.contains("Slip"));
-        let law = Law::Coulomb(0.3.into());
-        let with = interface_figure(&scene, &solution.contacts[0], &law, "a").unwrap();
-        assert!(with.contains("Shear [MN/m²]") && with.contains("Slip ["));
+        let contact = &solution.contacts[0];
+        let stretch = Stretch::of(contact).unwrap();
+        let drawn = |law: &Law, width| {
+            let figure = interface_figure(&scene, contact, &stretch, law, ("a", width));
+            figure.into_string()
+        };
+        for width in [WIDTH, PHONE] {
+            let plain = drawn(&Law::Frictionless, width);
+            assert!(plain.contains("Pressure [MN/m²]") && !plain.contains("Slip"));
+            let with = drawn(&Law::Coulomb(0.3.into()), width);
+            assert!(with.contains("Shear [MN/m²]") && with.contains("Slip ["));
+        }
+    }
+
+    #[test]
+    fn what_touches_in_a_small_part_is_drawn_with_its_surroundings_alone() {
+        let (model, mut solution) = tunnel::solved();
+        let contact = &mut solution.contacts[0];
+        let labels = Labels::of(&model);
+        let all = contact.nodes.len();
+        let touch = |contact: &mut ContactSolution<2>, closed: &[usize]| {
+            for (k, node) in contact.nodes.iter_mut().enumerate() {
+                node.status = match closed.contains(&k) {
+                    true => Status::Closed,
+                    false => Status::Open,
+                };
+            }
+        };
+        touch(contact, &[]);
+        assert!(Stretch::of(contact).is_none());
+        let middle: Vec<usize> = (0..all).collect();
+        touch(contact, &middle);
+        let stretch = Stretch::of(contact).unwrap();
+        assert_eq!((stretch.chain.len(), stretch.part), (all, false));
+        assert_eq!(stretch.in_words(&labels), "");
+        touch(contact, &[5, 6]);
+        let stretch = Stretch::of(contact).unwrap();
+        let shown: Vec<_> = stretch.chain.iter().map(|n| n.node).collect();
+        let expected: Vec<_> = contact.nodes[4..8].iter().map(|n| n.node).collect();
+        assert_eq!(shown, expected);
+        assert!(stretch.in_words(&labels).contains("around what touches"));
+        // across the first node of a closed interface it is one piece
+        contact.cyclic = true;
+        for (k, node) in contact.nodes.iter_mut().enumerate() {
+            let (s, c) = (std::f64::consts::TAU * k as f64 / all as f64).sin_cos();
+            node.point = [c, s];
+        }
+        touch(contact, &[0, all - 1]);
+        let stretch = Stretch::of(contact).unwrap();
+        assert!(stretch.part && stretch.arcs.is_sorted());
+        assert!(stretch.arcs[0] < 0.0 && stretch.arcs[stretch.arcs.len() - 1] > 0.0);
+        assert!(stretch.chain.len() <= 6);
     }
 }

@@ -2,24 +2,20 @@
 
 use crate::model::{Along, LinePoint, Model, Probe, ProbeValue, Solution};
 use crate::output::Overview;
-use crate::output::html::figure;
-use crate::output::json::range;
+use crate::output::html::fitted;
 use crate::output::markup::{Markup, markup};
-use crate::output::plot::{Axis, Frame};
-use crate::output::scene::WIDTH;
-use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
+use crate::output::plot::{Axis, Frame, Stroke, keys};
+use crate::output::scene::ticks;
+use crate::output::svg::{SERIES, Svg};
 use crate::output::text::{Labels, count, number, vector};
 
 /// Curves of more points than this are drawn without dots.
 const MOST_DOTS: usize = 60;
 
-/// Values that differ by a smaller part are drawn with an axis from zero: their differences may be rounding.
-const HARDLY: f64 = 0.01;
-
 /// The section; empty without a probe along a line.
 pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let steps: Vec<&Solution<D>> = run.steps().collect();
-    let shown = spread(steps.len());
+    let shown = spread(steps.len(), SERIES.len());
     let probes = run.last.probes.iter().enumerate();
     let lines = probes.filter(|(_, probe)| !probe.line.is_empty());
     let figures = lines.map(|(index, probe)| {
@@ -28,8 +24,8 @@ pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
             places: &steps[step].probes[index].line,
         });
         let curves: Vec<Curve<'_>> = curves.collect();
-        let drawn = (&probe.quantity[..], labels.unit(probe.dimension));
-        let svg = line_figure(&format!("line-{index}"), drawn, &curves, labels);
+        let drawn = (("s", &probe.quantity[..]), labels.unit(probe.dimension));
+        let draw = |width| line_figure(&format!("line-{index}"), drawn, &curves, labels, width);
         let mut caption = format!(
             "{} {}, {} points.",
             probe.quantity,
@@ -42,7 +38,7 @@ pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
         if probe.line.iter().any(|place| place.value.is_nan()) {
             caption += " The curve is interrupted where there is no value.";
         }
-        figure(&svg, &probe.name, &caption)
+        fitted(&draw, &probe.name, &caption)
     });
     let figures: Markup = figures.collect();
     match figures.is_empty() {
@@ -51,9 +47,9 @@ pub fn lines_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
     }
 }
 
-/// Indices of as many of these steps as there are colours, the first and the last among them.
-pub fn spread(steps: usize) -> Vec<usize> {
-    let (shown, last) = (steps.min(SERIES.len()), steps.saturating_sub(1));
+/// Indices of at most this many of the steps, the first and the last among them.
+pub fn spread(steps: usize, most: usize) -> Vec<usize> {
+    let (shown, last) = (steps.min(most), steps.saturating_sub(1));
     let place = |k: usize| (k * last + (shown - 1) / 2) / (shown - 1).max(1);
     (0..shown).map(place).collect()
 }
@@ -91,43 +87,41 @@ impl Curve<'_> {
     }
 }
 
-/// Curves of a quantity, in a unit, over s.
+/// Curves of a quantity, in a unit, over the length `along`.
 pub fn line_figure(
     id: &str,
-    (quantity, unit): (&str, &str),
+    ((along, quantity), unit): ((&str, &str), &str),
     curves: &[Curve<'_>],
     labels: &Labels,
+    width: f64,
 ) -> Markup {
     let title = format!("{quantity} along a line");
-    let head = if curves.len() > 1 { 30.0 } else { 12.0 };
-    let mut svg = Svg::new(id, &title, WIDTH, head + 300.0);
+    let mut svg = Svg::new(id, &title, width, 0.0);
+    let names: Vec<&str> = curves.iter().map(|curve| curve.name.as_str()).collect();
+    let head = match names.len() {
+        0 | 1 => 12.0,
+        _ => keys(&mut svg, [86.0, width], &names),
+    };
+    svg.set_height(head + 300.0);
     let places = || curves.iter().flat_map(|curve| curve.places);
     let ways: Vec<f64> = places().map(|place| place.s).collect();
     let values: Vec<f64> = places().map(|place| place.value).collect();
-    let [low, high] = range(values.iter().copied());
-    let hardly = high - low < HARDLY * high.abs().max(low.abs());
     let frame = Frame {
         corner: [86.0, head],
-        size: [WIDTH - 106.0, 246.0],
-        x: Axis::linear("s", &labels.length, &ways, false, 8).roomy(),
-        y: Axis::linear(quantity, unit, &values, hardly, 6).widened(0.06),
+        size: [width - 106.0, 246.0],
+        x: Axis::linear(along, &labels.length, &ways, false, ticks(width)).roomy(),
+        y: Axis::of_change(quantity, unit, &values, 6).widened(0.06),
     };
     frame.draw(&mut svg, true);
-    let mut key = frame.corner[0];
-    for (curve, colour) in curves.iter().zip(SERIES) {
-        frame.curve(&mut svg, &curve.points(), colour, 1.8);
+    for (k, curve) in curves.iter().enumerate() {
+        let stroke = Stroke::of(k, curves.len());
+        frame.stroke(&mut svg, &curve.points(), stroke);
         if curve.places.len() <= MOST_DOTS {
             for place in curve.places.iter().filter(|place| place.value.is_finite()) {
                 let at = vector(&place.point[..2], "");
                 let hint = format!("{} at {at}: {}", curve.name, number(place.value));
-                let pixel = frame.at(place.s, place.value);
-                svg.circle(pixel, 2.6, colour, "#fff", &hint);
+                stroke.dot(&mut svg, frame.at(place.s, place.value), &hint);
             }
-        }
-        if curves.len() > 1 {
-            let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
-            svg.text([key, head - 11.0], &curve.name, style);
-            key += text_width(&curve.name, style.size) + 16.0;
         }
     }
     svg.finish()
@@ -141,11 +135,11 @@ mod tests {
 
     #[test]
     fn a_spread_has_both_ends_and_no_step_twice() {
-        assert_eq!(spread(1), [0]);
-        assert_eq!(spread(3), [0, 1, 2]);
-        assert_eq!(spread(6), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(spread(1, 6), [0]);
+        assert_eq!(spread(3, 6), [0, 1, 2]);
+        assert_eq!(spread(6, 6), [0, 1, 2, 3, 4, 5]);
         for steps in [7, 8, 12, 100] {
-            let shown = spread(steps);
+            let shown = spread(steps, 6);
             assert_eq!((shown[0], shown[5], shown.len()), (0, steps - 1, 6));
             assert!(shown.is_sorted_by(|a, b| a < b), "{shown:?}");
         }

@@ -49,11 +49,12 @@ impl Markup {
         }
     }
 
-    /// Its figures in their order, which do not nest: title and markup of each.
+    /// Its figures in their order, which do not nest: title and markup of each, without the drawing for phones, which only a page
+    /// can choose.
     pub fn figures(&self) -> Vec<(String, String)> {
         let figures = self.figures.iter();
         figures
-            .map(|(title, at)| (title.clone(), self.text[at.clone()].to_string()))
+            .map(|(title, at)| (title.clone(), without_phones(&self.text[at.clone()])))
             .collect()
     }
 
@@ -72,6 +73,15 @@ impl Markup {
     pub fn into_string(self) -> String {
         self.text
     }
+}
+
+/// Markup without the parts of this class, in which there are no other parts.
+fn without_phones(text: &str) -> String {
+    let (start, end) = ("<div class=\"phone\">", "</div>\n");
+    let mut parts = text.split(start);
+    let first = parts.next().unwrap_or_default().to_string();
+    let rests = parts.map(|part| part.split_once(end).map_or("", |(_, rest)| rest));
+    rests.fold(first, |text, rest| text + rest)
 }
 
 impl Deref for Markup {

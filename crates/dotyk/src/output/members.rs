@@ -1,15 +1,15 @@
 //! Sections "Bars", "Springs" of the report, one for each kind of members: the forces of all, their course over the load steps, and
 //! along grouted ones.
 
-use crate::model::{Bond, LinePoint, Member, MemberSolution, MemberWords};
+use crate::model::{Bond, LinePoint, Member, MemberSolution, MemberWords, Solution};
 use crate::output::Overview;
-use crate::output::html::{Head, column, figure, left, plain, table, text};
+use crate::output::html::{Head, column, fitted, left, plain, table, text};
 use crate::output::json::range;
 use crate::output::lines::{Curve, line_figure, spread};
 use crate::output::markup::{Markup, markup};
-use crate::output::plot::{Axis, Frame};
-use crate::output::scene::WIDTH;
-use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
+use crate::output::plot::{Axis, Frame, Stroke, keys};
+use crate::output::scene::ticks;
+use crate::output::svg::{SERIES, Svg};
 use crate::output::text::{Labels, count, number, quantity, without_noise};
 
 /// Most members of a kind whose course along themselves is drawn.
@@ -37,12 +37,13 @@ fn section<const D: usize>(run: &Overview<'_, D>, of: &OfKind<'_, D>, labels: &L
     if run.earlier.is_empty() {
         return out + along(run, of, labels);
     }
-    let svg = over_steps(run, of, labels);
-    out += figure(
-        &svg,
+    let draw = |width| over_steps(run, of, labels, width);
+    out += fitted(
+        &draw,
         &format!("Forces of the {plural} over the load steps"),
         &format!(
-            "The force of the largest magnitude of each {key} against the time t of the steps."
+            "The force of the largest magnitude of each {key} against the time t of the steps; below, how much it has changed since the \
+             first step with this {key}."
         ),
     );
     out + along(run, of, labels)
@@ -139,55 +140,60 @@ fn forces<const D: usize>(
     out
 }
 
+/// The forces over time, and below them their changes: a prestress is so much larger that the axis from zero hides these.
 fn over_steps<const D: usize>(
     run: &Overview<'_, D>,
     (kind, members): &OfKind<'_, D>,
     labels: &Labels,
+    width: f64,
 ) -> Markup {
     let shown: Vec<&Member<D>> = members.iter().copied().take(SERIES.len()).collect();
     let times: Vec<f64> = run.steps().map(|solution| solution.time).collect();
-    let of = |member: &Member<D>| -> Vec<[f64; 2]> {
-        let at = |solution: &crate::model::Solution<D>| {
+    let of = |member: &&Member<D>| -> Vec<f64> {
+        let at = |solution: &Solution<D>| {
             let own = solution.member(&member.name);
             let force = own.and_then(MemberSolution::largest);
-            [
-                solution.time,
-                force.map_or(f64::NAN, |station| station.force),
-            ]
+            force.map_or(f64::NAN, |station| station.force)
         };
         run.steps().map(at).collect()
     };
-    let curves: Vec<Vec<[f64; 2]>> = shown.iter().map(|member| of(member)).collect();
-    let values: Vec<f64> = curves.iter().flatten().map(|point| point[1]).collect();
-    let mut svg = Svg::new(
-        kind.plural,
-        &format!("Forces of the {} over the load steps", kind.plural),
-        WIDTH,
-        300.0,
-    );
-    let frame = Frame {
-        corner: [86.0, 30.0],
-        size: [WIDTH - 106.0, 216.0],
-        x: Axis::linear("t", "", &times, false, 8).roomy(),
-        y: Axis::linear("N", &labels.force, &values, true, 6).widened(0.06),
+    let forces: Vec<Vec<f64>> = shown.iter().map(of).collect();
+    let since_first = |forces: &Vec<f64>| -> Vec<f64> {
+        let first = forces.iter().copied().find(|force| force.is_finite());
+        let first = first.unwrap_or(f64::NAN);
+        let change = |&force: &f64| without_noise(force - first, first.abs());
+        forces.iter().map(change).collect()
     };
-    frame.draw(&mut svg, true);
-    let mut key = frame.corner[0];
-    for ((member, points), colour) in shown.iter().zip(&curves).zip(SERIES) {
-        frame.curve(&mut svg, points, colour, 1.8);
-        for [time, force] in points.iter().filter(|point| point[1].is_finite()) {
-            let hint = format!(
-                "{} at t = {}: {}",
-                member.name,
-                number(*time),
-                quantity(*force, &labels.force)
-            );
-            svg.circle(frame.at(*time, *force), 2.6, colour, "#fff", &hint);
+    let changes: Vec<Vec<f64>> = forces.iter().map(since_first).collect();
+    let title = format!("Forces of the {} over the load steps", kind.plural);
+    let mut svg = Svg::new(kind.plural, &title, width, 0.0);
+    let names: Vec<&str> = shown.iter().map(|member| member.name.as_str()).collect();
+    let mut top = keys(&mut svg, [86.0, width], &names) + 2.0;
+    for (name, curves, height) in [("N", &forces, 170.0), ("change of N", &changes, 130.0)] {
+        let frame = Frame {
+            corner: [86.0, top],
+            size: [width - 106.0, height],
+            x: Axis::linear("t", "", &times, false, ticks(width)).roomy(),
+            y: Axis::linear(name, &labels.force, &curves.concat(), true, 5).widened(0.06),
+        };
+        top += height + 14.0;
+        frame.draw(&mut svg, name != "N");
+        for (k, (member, values)) in shown.iter().zip(curves).enumerate() {
+            let stroke = Stroke::of(k, shown.len());
+            let points: Vec<[f64; 2]> = times.iter().zip(values).map(|(&t, &v)| [t, v]).collect();
+            frame.stroke(&mut svg, &points, stroke);
+            for [time, force] in points.iter().filter(|point| point[1].is_finite()) {
+                let hint = format!(
+                    "{} at t = {}: {name} = {}",
+                    member.name,
+                    number(*time),
+                    quantity(*force, &labels.force)
+                );
+                stroke.dot(&mut svg, frame.at(*time, *force), &hint);
+            }
         }
-        let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
-        svg.text([key, 19.0], &member.name, style);
-        key += text_width(&member.name, style.size) + 16.0;
     }
+    svg.set_height(top + 30.0);
     svg.finish()
 }
 
@@ -201,7 +207,7 @@ fn along<const D: usize>(
     let grouted = grouted.filter(|member| member.line.bond == Bond::Grouted);
     let one = |(index, member): (usize, &Member<D>)| {
         let course: Vec<_> = courses(run, member).collect();
-        let shown = spread(course.len());
+        let shown = spread(course.len(), SERIES.len());
         let places: Vec<Vec<LinePoint>> = shown
             .iter()
             .map(|&step| points_of(course[step].2))
@@ -212,17 +218,14 @@ fn along<const D: usize>(
         });
         let curves: Vec<Curve<'_>> = curves.collect();
         let named = (format!("N of {}", member.name), labels.force.as_str());
-        let svg = line_figure(
-            &format!("{}-{index}", kind.key),
-            (&named.0, named.1),
-            &curves,
-            labels,
-        );
+        let id = format!("{}-{index}", kind.key);
+        let named = (("s", named.0.as_str()), named.1);
+        let draw = |width| line_figure(&id, named, &curves, labels, width);
         let caption = format!(
             "Along the {}; s counts from its beginning. One force for each element, drawn at its middle.",
             kind.key
         );
-        figure(&svg, &member.name, &caption)
+        fitted(&draw, &member.name, &caption)
     };
     let mut out: Markup = grouted.clone().take(DRAWN).enumerate().map(one).collect();
     let left_out = grouted.count().saturating_sub(DRAWN);

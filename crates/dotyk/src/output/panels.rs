@@ -1,9 +1,9 @@
 //! Small plots beside and below each other, all against the same values.
 
 use crate::output::markup::Markup;
-use crate::output::plot::{Axis, Frame};
-use crate::output::scene::WIDTH;
-use crate::output::svg::{Anchor, SERIES, Svg, Type, text_width};
+use crate::output::plot::{Axis, Frame, Stroke, keys};
+use crate::output::scene::PHONE;
+use crate::output::svg::{Anchor, Svg, Type};
 use crate::output::text::number;
 
 /// Curves of more points than this are drawn without dots.
@@ -34,92 +34,75 @@ pub struct Abscissae<'a> {
     pub hint: &'a dyn Fn(usize, f64) -> String,
 }
 
-/// Room for one plot, with title, numbers and label.
-const PANEL: [f64; 2] = [WIDTH / 2.0, 190.0];
+/// Height of one plot, with title, numbers and label.
+const HEIGHT: f64 = 190.0;
 
-/// The plots, two in a row, as an SVG element. Where the names of the curves do not fit beside every title, they stand
-/// once, above all.
-pub fn panels_figure(id: &str, title: &str, panels: &[Panel], x: &Abscissae<'_>) -> Markup {
-    let rows = panels.len().div_ceil(2);
-    let beside = panels.iter().all(names_fit);
-    let mut svg = Svg::new(id, title, WIDTH, 0.0);
-    let top = match panels.first() {
-        Some(panel) if !beside => legend(&mut svg, &names(panel)),
-        _ => 0.0,
+/// More plots than this stand three in a row.
+const MANY: usize = 6;
+
+/// The plots as an SVG element: two or three in a row, on a phone one. The names of several curves stand once, above all.
+pub fn panels_figure(
+    id: &str,
+    title: &str,
+    panels: &[Panel],
+    x: &Abscissae<'_>,
+    width: f64,
+) -> Markup {
+    let columns = match width > PHONE {
+        true if panels.len() > MANY => 3,
+        true => 2,
+        false => 1,
     };
-    svg.set_height(top + rows as f64 * PANEL[1]);
+    let size = [width / columns as f64, HEIGHT];
+    let mut svg = Svg::new(id, title, width, 0.0);
+    let several = panels.iter().find(|panel| panel.curves.len() > 1);
+    let top = several.map_or(0.0, |panel| {
+        let names: Vec<&str> = panel
+            .curves
+            .iter()
+            .map(|curve| curve.name.as_str())
+            .collect();
+        keys(&mut svg, [52.0, width], &names)
+    });
+    svg.set_height(top + panels.len().div_ceil(columns) as f64 * HEIGHT);
     for (i, panel) in panels.iter().enumerate() {
-        let corner = [(i % 2) as f64 * PANEL[0], top + (i / 2) as f64 * PANEL[1]];
-        draw_panel(&mut svg, panel, x, corner, beside);
+        let [column, row] = [i % columns, i / columns].map(|place| place as f64);
+        let corner = [column * size[0], top + row * HEIGHT];
+        draw_panel(&mut svg, panel, x, corner, size);
     }
     svg.finish()
 }
 
-/// From one name to the next.
-const BETWEEN: f64 = 12.0;
-
-fn names_fit(panel: &Panel) -> bool {
-    let width = |text: &str| text_width(text, Type::LABEL.size) + BETWEEN;
-    let names = panel.curves.iter().map(|curve| width(&curve.name));
-    // the title is bold, and takes a power of ten and a unit
-    let title = 1.1 * width(&panel.title) + 70.0;
-    panel.curves.len() < 2 || title + names.sum::<f64>() < PANEL[0] - 70.0
-}
-
-fn names(panel: &Panel) -> Vec<&str> {
-    let names = panel.curves.iter().map(|curve| curve.name.as_str());
-    names.collect()
-}
-
-/// The names of curves in lines, each in its colour; returns the height of all.
-pub fn legend(svg: &mut Svg, names: &[&str]) -> f64 {
-    let [left, line] = [52.0, 18.0];
-    let mut at = [left, 14.0];
-    for (name, colour) in names.iter().zip(SERIES.iter().cycle()) {
-        let width = text_width(name, Type::LABEL.size);
-        if at[0] > left && at[0] + width > WIDTH - BETWEEN {
-            at = [left, at[1] + line];
-        }
-        let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
-        svg.text(at, name, style);
-        at[0] += width + BETWEEN;
-    }
-    at[1] + line
-}
-
-fn draw_panel(svg: &mut Svg, panel: &Panel, x: &Abscissae<'_>, corner: [f64; 2], names: bool) {
+fn draw_panel(
+    svg: &mut Svg,
+    panel: &Panel,
+    x: &Abscissae<'_>,
+    corner: [f64; 2],
+    [width, height]: [f64; 2],
+) {
     let values: Vec<f64> = panel.curves.iter().flat_map(|c| c.values.clone()).collect();
     let mut y = Axis::linear(&panel.title, &panel.unit, &values, panel.zero, 4).widened(0.08);
     let title = std::mem::take(&mut y.label);
     let frame = Frame {
         corner: [corner[0] + 52.0, corner[1] + 22.0],
-        size: [PANEL[0] - 70.0, PANEL[1] - 70.0],
+        size: [width - 70.0, height - 70.0],
         x: x.axis.clone(),
         y,
     };
     frame.draw(svg, true);
     let start = [frame.corner[0], frame.corner[1] - 8.0];
     svg.text(start, &title, Type::LABEL.anchored(Anchor::Start).bold());
-    let mut key = start[0] + text_width(&title, Type::LABEL.size) * 1.1 + 12.0;
-    for (curve, colour) in panel.curves.iter().zip(SERIES.iter().cycle()) {
-        let points: Vec<[f64; 2]> = x
-            .values
-            .iter()
-            .zip(&curve.values)
-            .map(|(&x, &v)| [x, v])
-            .collect();
-        frame.curve(svg, &points, colour, 1.8);
+    for (k, curve) in panel.curves.iter().enumerate() {
+        let stroke = Stroke::of(k, panel.curves.len());
+        let each = x.values.iter().zip(&curve.values);
+        let points: Vec<[f64; 2]> = each.map(|(&x, &v)| [x, v]).collect();
+        frame.stroke(svg, &points, stroke);
         if points.len() <= MOST_DOTS {
             let seen = points.iter().enumerate().filter(|(_, p)| p[1].is_finite());
             for (i, p) in seen {
                 let hint = format!("{}: {}", (x.hint)(i, p[0]), number(p[1]));
-                svg.circle(frame.at(p[0], p[1]), 2.8, colour, "#fff", &hint);
+                stroke.dot(svg, frame.at(p[0], p[1]), &hint);
             }
-        }
-        if names && panel.curves.len() > 1 {
-            let style = Type::LABEL.anchored(Anchor::Start).coloured(colour);
-            svg.text([key, start[1]], &curve.name, style);
-            key += text_width(&curve.name, style.size) + BETWEEN;
         }
     }
 }

@@ -2,11 +2,12 @@
 
 use crate::geometry::Point;
 use crate::model::Solution;
-use crate::output::deformed::{BAR, Canvas, Vertex, colour_bar, fans};
+use crate::output::deformed::{Canvas, Vertex, fans};
 use crate::output::markup::Markup;
 use crate::output::plot::Axis;
-use crate::output::scene::{Scene, WIDTH, outline_path};
-use crate::output::svg::{ALARM, Anchor, INK, MUTED, Pixel, Svg, Type, segments};
+use crate::output::ranges::{BAR, colour_bar, name_bar};
+use crate::output::scene::{Scene, outline_path};
+use crate::output::svg::{ALARM, INK, Pixel, Svg, segments};
 use crate::output::text::{Labels, number};
 use crate::output::view::{Margin, View, beside, mark_detail, scale_bar};
 
@@ -31,12 +32,11 @@ pub struct Picture<const D: usize> {
 }
 
 impl<const D: usize> Picture<D> {
-    /// The colours with the limit, at the right of a figure of this height.
-    pub fn bar(&self, svg: &mut Svg, height: f64) {
-        let (left, top) = (WIDTH - BAR + 18.0, 42.0);
+    /// The colours with the limit, at the right of a figure of this size.
+    pub fn bar(&self, svg: &mut Svg, [width, height]: Pixel) {
+        let left = width - BAR + 18.0;
         let axis = Axis::linear(self.label, "", &[0.0, self.high], true, 5);
-        let small = Type::SMALL.anchored(Anchor::Start);
-        svg.text([left, 20.0], &axis.label, small.coloured(MUTED));
+        let top = name_bar(svg, &axis, [left, 20.0]) + 9.0;
         let beyond = self.most.is_some_and(|(_, most)| most > self.high);
         let size = colour_bar(svg, [left, top], height - top - 22.0, &axis, beyond);
         let y = top + (1.0 - axis.fraction(self.limit)) * size;
@@ -47,10 +47,10 @@ impl<const D: usize> Picture<D> {
 
 impl Picture<2> {
     /// The figure as an SVG element.
-    pub fn in_plane(&self, scene: &Scene, solution: &Solution<2>) -> Markup {
+    pub fn in_plane(&self, scene: &Scene, solution: &Solution<2>, width: f64) -> Markup {
         let labels = Labels::of(scene.model);
-        let (views, height) = scene.views(Margin::all(26.0), 34.0, BAR);
-        let mut svg = Svg::new(self.id, self.title, WIDTH, height);
+        let (views, height) = scene.views(width - BAR, Margin::all(26.0), 34.0);
+        let mut svg = Svg::new(self.id, self.title, width, height);
         for view in &views {
             self.draw_view(&mut svg, scene, solution, view);
             scale_bar(&mut svg, view, &labels);
@@ -58,7 +58,7 @@ impl Picture<2> {
         if let [whole, detail] = views.as_slice() {
             mark_detail(&mut svg, whole, detail);
         }
-        self.bar(&mut svg, height - 40.0);
+        self.bar(&mut svg, [width, height - 40.0]);
         svg.finish()
     }
 

@@ -1,6 +1,8 @@
 //! Line plots: axes with round ticks, linear or logarithmic.
 
-use crate::output::svg::{Anchor, INK, MUTED, Pixel, RULE, Svg, Type, short, text_width};
+use crate::output::svg::{
+    Anchor, INK, MUTED, Pixel, RULE, SERIES, Svg, Type, segments, short, text_width,
+};
 use crate::output::text::{superscript, with_unit};
 
 /// One axis.
@@ -61,6 +63,13 @@ impl Axis {
             log: false,
             ticks,
         }
+    }
+
+    /// A linear axis that shows how the values change; one from zero where they hardly do.
+    pub fn of_change(name: &str, unit: &str, values: &[f64], most: usize) -> Self {
+        let (low, high) = finite_range(values.iter().copied());
+        let hardly = high - low < HARDLY * high.abs().max(low.abs());
+        Self::linear(name, unit, values, hardly, most)
     }
 
     /// The same axis with a fraction of its length added beyond its ends; an end at zero stays.
@@ -186,6 +195,69 @@ fn log_label(multiple: i32, decade: i32) -> String {
     }
 }
 
+/// Values that differ by a smaller part of them are drawn with an axis from zero: their differences may be rounding.
+const HARDLY: f64 = 0.01;
+
+/// How one of several curves is drawn: colour, dashes, width and dots all differ, so that a curve is seen beneath another one that
+/// covers it, in grey, too.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stroke {
+    /// Colour of line and dots.
+    pub colour: &'static str,
+    dashes: &'static str,
+    width: f64,
+    shape: usize,
+}
+
+/// Dashes of curves in their order: those of a later one let the ones before it through.
+const DASHES: [&str; SERIES.len()] = [
+    "stroke-linejoin=\"round\"",
+    "stroke-linejoin=\"round\" stroke-dasharray=\"9 4\"",
+    "stroke-linejoin=\"round\" stroke-dasharray=\"2.5 3\"",
+    "stroke-linejoin=\"round\" stroke-dasharray=\"12 3 2.5 3\"",
+    "stroke-linejoin=\"round\" stroke-dasharray=\"5 5\"",
+    "stroke-linejoin=\"round\" stroke-dasharray=\"1.5 5\"",
+];
+
+impl Stroke {
+    /// That of the k-th of `count` curves; a single one is plain.
+    pub fn of(k: usize, count: usize) -> Self {
+        let k = k % SERIES.len();
+        Self {
+            colour: SERIES[k],
+            dashes: DASHES[k],
+            width: if count > 1 && k == 0 { 2.6 } else { 1.8 },
+            shape: k,
+        }
+    }
+
+    /// A dot of a curve; `title` is shown while the pointer rests on it. Later dots are smaller and stand within earlier ones.
+    pub fn dot(self, svg: &mut Svg, at: Pixel, title: &str) {
+        let radius = 3.2 - 0.25 * self.shape as f64;
+        svg.dot(at, radius, self.shape, self.colour, title);
+    }
+}
+
+/// Names of several curves with pieces of their lines, in rows from `left` to `right`; returns the height of all rows.
+pub fn keys(svg: &mut Svg, [left, right]: [f64; 2], names: &[&str]) -> f64 {
+    let (row, sample, between) = (17.0, 24.0, 14.0);
+    let mut at = [left, 13.0];
+    for (k, name) in names.iter().enumerate() {
+        let stroke = Stroke::of(k, names.len());
+        let width = sample + 5.0 + text_width(name, Type::LABEL.size);
+        if at[0] > left && at[0] + width > right {
+            at = [left, at[1] + row];
+        }
+        let y = at[1] - 4.0;
+        let line = segments(&[[at[0], y], [at[0] + sample, y]], false);
+        svg.path(&line, stroke.colour, stroke.width, "none", stroke.dashes);
+        let style = Type::LABEL.anchored(Anchor::Start).coloured(stroke.colour);
+        svg.text([at[0] + sample + 5.0, at[1]], name, style);
+        at[0] += width + between;
+    }
+    at[1] + 8.0
+}
+
 /// A rectangle of a drawing with two axes.
 pub struct Frame {
     /// Upper left corner.
@@ -256,8 +328,15 @@ impl Frame {
     /// A curve through points (x, y); values that are not finite interrupt it.
     pub fn curve(&self, svg: &mut Svg, points: &[[f64; 2]], colour: &str, width: f64) {
         let pixels: Vec<Pixel> = points.iter().map(|p| self.at(p[0], p[1])).collect();
-        let path = crate::output::svg::segments(&pixels, false);
+        let path = segments(&pixels, false);
         svg.path(&path, colour, width, "none", "stroke-linejoin=\"round\"");
+    }
+
+    /// One of several curves, as [`Frame::curve`].
+    pub fn stroke(&self, svg: &mut Svg, points: &[[f64; 2]], stroke: Stroke) {
+        let pixels: Vec<Pixel> = points.iter().map(|p| self.at(p[0], p[1])).collect();
+        let path = segments(&pixels, false);
+        svg.path(&path, stroke.colour, stroke.width, "none", stroke.dashes);
     }
 
     /// A dashed horizontal line at a value.

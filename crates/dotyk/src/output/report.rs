@@ -56,25 +56,28 @@ fn content<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let figures = Figures::of(model);
     let nodes = solution.contacts.iter().flat_map(|c| &c.nodes);
     let alone: Vec<Point<D>> = nodes.filter(|n| n.gap.is_nan()).map(|n| n.point).collect();
+    let steps: Vec<&Solution<D>> = run.steps().collect();
+    // what was computed comes before its numbers, and these before what they rest on
     [
         verdict::banner(run),
         verdict::warnings(run),
         key_figures(model, solution, &labels),
+        markup!("<h2>Model</h2>\n"),
+        figures.model(&alone),
+        markup!("<h2>Deformation and stress</h2>\n"),
+        figures.deformed(solution),
+        figures.trough(&steps),
         probes(model, solution, &labels),
         lines_section(run, &labels),
         sections_section(run, &labels),
         beds_section(solution, &labels),
         member_sections(run, &labels),
         steps_section(run, &labels),
-        markup!("<h2>Model</h2>\n"),
-        figures.model(&alone),
-        markup!("<h2>Deformation and stress</h2>\n"),
-        figures.deformed(solution),
-        bodies(model, solution, &labels),
         strength_section(solution, &figures, &labels),
         yielding_section(solution, &figures, &labels),
-        points(solution, &labels),
         contacts::contacts(solution, &figures, &labels),
+        bodies(model, solution, &labels),
+        points(solution, &labels),
         contacts::balance(model, solution, &labels),
         verdict::certificate(solution, &labels),
         verdict::solver(model, solution, &labels),
@@ -340,7 +343,7 @@ fn bodies<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: &Lab
         column("at", &labels.length),
         column("elastic energy", &labels.energy),
     ];
-    let mut out = markup!("<h3>Bodies</h3>\n{}", table(&heads, rows));
+    let mut out = markup!("<h2>Bodies</h2>\n{}", table(&heads, rows));
     let told = solution.bodies.iter().filter_map(|b| {
         let what = format!("von Mises stress of {}", b.name);
         singular_peak(&what, b.peak, [&labels.stress, &labels.length])

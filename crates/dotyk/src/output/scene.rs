@@ -12,8 +12,17 @@ use crate::output::view::{Box2, Margin, View};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// Width of every figure.
+/// Width of figures on a page.
 pub const WIDTH: f64 = 760.0;
+
+/// Width of figures on a phone, where they are drawn anew: letters keep their size, and what stood side by side stands one below the
+/// other.
+pub const PHONE: f64 = 372.0;
+
+/// Most ticks on an axis along a figure of this width.
+pub fn ticks(width: f64) -> usize {
+    (width / 92.0) as usize
+}
 
 /// Cells narrower than this are drawn without their edges.
 const LEAST_WIDTH: f64 = 2.0;
@@ -245,12 +254,11 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Windows for a figure with this margin around the bodies, `right` pixels kept free; and the height of the figure.
+    /// Windows that together take this width, with this margin around the bodies; and the height of the figure.
     ///
     /// Below each window `strip` pixels are kept free for its scale bar.
-    pub fn views(&self, margin: Margin, strip: f64, right: f64) -> (Vec<View>, f64) {
+    pub fn views(&self, width: f64, margin: Margin, strip: f64) -> (Vec<View>, f64) {
         let aspect = width_over_height(self.bounds);
-        let width = WIDTH - right;
         let (across, along) = (margin.left + margin.right, margin.top + margin.bottom);
         let Some(detail) = self.detail else {
             let height = ((width - across) / aspect).clamp(120.0, 480.0) + along;
@@ -262,7 +270,7 @@ impl<'a> Scene<'a> {
             ..View::fitted(detail, corner, size, Margin::all(6.0))
         };
         let between = 18.0;
-        if aspect < 1.2 {
+        if aspect < 1.2 && width > PHONE {
             // Side by side.
             let own = (460.0 * aspect).clamp(60.0, (0.46 * width - across).max(60.0)) + across;
             let height = ((own - across) / aspect).min(460.0) + along;
@@ -443,13 +451,15 @@ mod tests {
     fn small_contacts_get_a_window_of_their_own() {
         let (model, _) = tunnel::solved();
         let scene = Scene::new(&model);
-        let (views, height) = scene.views(Margin::all(60.0), 30.0, 0.0);
-        assert_eq!(views.len(), 2);
-        for view in &views {
-            assert!(view.corner[0] >= 0.0 && view.corner[0] + view.size[0] <= WIDTH);
-            assert!(view.corner[1] + view.size[1] <= height);
-            for corner in [view.low, view.high] {
-                assert!(view.sees(view.pixel(corner)));
+        for width in [WIDTH, PHONE] {
+            let (views, height) = scene.views(width, Margin::all(60.0), 30.0);
+            assert_eq!(views.len(), 2);
+            for view in &views {
+                assert!(view.corner[0] >= 0.0 && view.corner[0] + view.size[0] <= width);
+                assert!(view.corner[1] + view.size[1] <= height);
+                for corner in [view.low, view.high] {
+                    assert!(view.sees(view.pixel(corner)));
+                }
             }
         }
     }
@@ -458,7 +468,7 @@ mod tests {
     fn lines_too_close_to_see_are_left_out() {
         let (model, _) = tunnel::solved();
         let scene = Scene::new(&model);
-        let (views, _) = scene.views(Margin::all(60.0), 30.0, 0.0);
+        let (views, _) = scene.views(WIDTH, Margin::all(60.0), 30.0);
         let mesh = &model.bodies[1].mesh;
         let place = |view: &View, n: usize| view.pixel(mesh.points()[n]);
         let near = &views[1];

@@ -4,16 +4,15 @@
 use crate::geometry::{Point, bounding_box, sub};
 use crate::model::{Analysis, Capacity, Model, Section, SectionQuantity, SectionSolution, Station};
 use crate::output::Overview;
-use crate::output::html::{column, figure, left, plain, table_of_vectors, text};
+use crate::output::html::{column, fitted, left, plain, table_of_vectors, text};
 use crate::output::markup::{Markup, markup};
 use crate::output::plot::{Axis, Frame};
-use crate::output::scene::{Strand, WIDTH, outline_path, strands};
-use crate::output::svg::{Anchor, INK, MUTED, Pixel, SERIES, Svg, Type, segments, text_width};
+use crate::output::scene::{PHONE, Strand, outline_path, strands, ticks};
+use crate::output::svg::{
+    Anchor, INK, MUTED, Pixel, SERIES, SIGNS, Svg, Type, segments, text_width,
+};
 use crate::output::text::{Labels, count, number, quantity, vector, with_unit, without_noise};
 use crate::output::view::{Margin, View, on_paper, scale_bar};
-
-/// Colours of positive and negative values.
-const SIGNS: [&str; 2] = [SERIES[1], SERIES[0]];
 
 /// Between the steps.
 const SHADE: &str = "#cfe0ee";
@@ -73,8 +72,9 @@ fn more_curves(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
 /// The section; empty without section forces.
 pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
     let asked = run.model.sections.iter().enumerate();
+    let several = run.last.sections.len() > 1;
     let parts: Markup = asked
-        .map(|(k, section)| one_section(run, (k, section), labels))
+        .map(|(k, section)| one_section(run, (k, section), several, labels))
         .collect();
     if parts.is_empty() {
         return parts;
@@ -89,12 +89,46 @@ pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) 
          towards the first side, which lies on the left of s.</p>\n",
         per
     );
-    head + parts
+    match several {
+        true => head + all_sections(run, labels) + parts,
+        false => head + parts,
+    }
 }
+
+/// The diagrams of all sections to one scale, as around the segments of a ring.
+fn all_sections<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Markup {
+    let solved = run.last.sections.iter();
+    let drawn = solved.filter_map(|own| {
+        let asked = run
+            .model
+            .sections
+            .iter()
+            .find(|asked| asked.name == own.name)?;
+        Some(Drawn::of(run.model, asked, own))
+    });
+    let Some(drawn) = drawn.collect::<Option<Vec<Drawn<'_>>>>() else {
+        return Markup::default();
+    };
+    let draw = |width| on_geometry(&drawn, "sections", labels, width);
+    let step = if run.earlier.is_empty() {
+        ""
+    } else {
+        " The last load step."
+    };
+    let caption = format!(
+        "All {} sections to one scale, with the extremes of all. {TOWARDS_FIRST}{step}",
+        count(drawn.len())
+    );
+    fitted(&draw, "N, V and M of all sections", &caption)
+}
+
+/// Which side of its middle line a diagram is drawn on.
+const TOWARDS_FIRST: &str = "Positive values are drawn from the middle line towards the first side: M on the side in tension.";
 
 fn one_section<const D: usize>(
     run: &Overview<'_, D>,
     (index, asked): (usize, &Section<D>),
+    among_others: bool,
     labels: &Labels,
 ) -> Markup {
     // in some steps its body may not be there
@@ -121,11 +155,14 @@ fn one_section<const D: usize>(
     } else {
         ""
     };
-    if let Some(svg) = on_geometry(run.model, asked, last, index, labels) {
-        let caption = format!(
-            "{between} Positive values are drawn from the middle line towards the first side: M on the side in tension.{several}"
-        );
-        out += figure(&svg, "N, V and M on the geometry", &caption);
+    match Drawn::of(run.model, asked, last) {
+        Some(drawn) if !among_others => {
+            let id = format!("section{index}");
+            let draw = |width| on_geometry(std::slice::from_ref(&drawn), &id, labels, width);
+            let caption = format!("{between} {TOWARDS_FIRST}{several}");
+            out += fitted(&draw, "N, V and M on the geometry", &caption);
+        }
+        _ => out += markup!("<p>{}</p>\n", between),
     }
     let along = match steps.len() {
         1 => "Along the middle line; s counts from the first station.".to_string(),
@@ -134,14 +171,12 @@ fn one_section<const D: usize>(
             count(n)
         ),
     };
-    out += figure(
-        &over_s(&steps, index, labels),
-        "Section forces over s",
-        &along,
-    );
+    let draw = |width| over_s(&steps, index, labels, width);
+    out += fitted(&draw, "Section forces over s", &along);
     if let Some(capacity) = &asked.capacity {
-        let (svg, caption) = interaction(capacity, &steps, index, labels);
-        out += figure(&svg, "Normal force and moment within the limit", &caption);
+        let draw = |width| interaction(capacity, &steps, index, labels, width);
+        let caption = limit_in_words(capacity, steps.len() > 1, labels);
+        out += fitted(&draw, "Normal force and moment within the limit", &caption);
     }
     out + extremes((&numbers, &steps), labels)
 }
@@ -179,106 +214,117 @@ fn quiet(
     move |station| without_noise(value(station), scale)
 }
 
-/// The three diagrams on the outline of the body; beside each other, or one above the other where the body is long.
-fn on_geometry<const D: usize>(
-    model: &Model<D>,
-    asked: &Section<D>,
-    section: &SectionSolution,
-    index: usize,
-    labels: &Labels,
-) -> Option<Markup> {
-    let mesh = model.bodies[asked.body.0].mesh.in_plane()?;
-    let outline = strands(mesh, &mesh.boundary_facets());
-    let bounds = bounding_box(mesh.points());
+/// A section with the outline of its body.
+struct Drawn<'a> {
+    solution: &'a SectionSolution,
+    stations: Vec<&'a Station>,
+    outline: Vec<Strand>,
+    points: &'a [Point<2>],
+}
+
+impl<'a> Drawn<'a> {
+    /// `None` in space.
+    fn of<const D: usize>(
+        model: &'a Model<D>,
+        asked: &Section<D>,
+        solution: &'a SectionSolution,
+    ) -> Option<Self> {
+        let mesh = model.bodies[asked.body.0].mesh.in_plane()?;
+        Some(Self {
+            solution,
+            stations: sorted(solution),
+            outline: strands(mesh, &mesh.boundary_facets()),
+            points: mesh.points(),
+        })
+    }
+}
+
+/// The three diagrams on the outlines of the bodies; beside each other, or one above the other where the bodies are long and on a
+/// phone.
+fn on_geometry(drawn: &[Drawn<'_>], id: &str, labels: &Labels, width: f64) -> Markup {
+    let points = drawn.iter().flat_map(|own| own.points).copied();
+    let bounds = bounding_box(&points.collect::<Vec<_>>());
     let size = sub(bounds.1, bounds.0);
-    let stations = sorted(section);
-    let flat = size[0] > 1.8 * size[1];
-    let reach: f64 = if flat { 46.0 } else { 34.0 };
+    let below = size[0] > 1.8 * size[1] || width <= PHONE;
+    let reach: f64 = if below { 46.0 } else { 34.0 };
     let margin = Margin {
         left: reach + 26.0,
         right: reach + 26.0,
         top: reach + 30.0,
         bottom: reach + 12.0,
     };
-    let panel = match flat {
-        true => [
-            WIDTH,
-            ((WIDTH - margin.left - margin.right) * size[1] / size[0]).max(8.0)
-                + margin.top
-                + margin.bottom,
-        ],
-        false => {
-            let width = WIDTH / 3.0;
-            let height = (width - margin.left - margin.right) * (size[1] / size[0]).min(3.0);
-            [width, height.max(60.0) + margin.top + margin.bottom]
-        }
-    };
+    let own = if below { width } else { width / 3.0 };
+    let tall = (own - margin.left - margin.right) * (size[1] / size[0]).min(3.0);
+    let least = if below { 8.0 } else { 60.0 };
+    let panel = [own, tall.clamp(least, 380.0) + margin.top + margin.bottom];
     let strip = 34.0;
-    let height = strip + if flat { 3.0 * panel[1] } else { panel[1] };
-    let title = format!(
-        "Diagrams of N, V and M of section {} on its body",
-        asked.name
-    );
-    let mut svg = Svg::new(&format!("section{index}"), &title, WIDTH, height);
+    let height = strip + if below { 3.0 * panel[1] } else { panel[1] };
+    let mut svg = Svg::new(id, "Diagrams of N, V and M on the bodies", width, height);
     let mut last_view = None;
     for (k, curve) in curves(labels).iter().enumerate() {
-        let corner = if flat {
-            [0.0, k as f64 * panel[1]]
-        } else {
-            [k as f64 * panel[0], 0.0]
+        let corner = match below {
+            true => [0.0, k as f64 * panel[1]],
+            false => [k as f64 * panel[0], 0.0],
         };
         let view = View::fitted(bounds, corner, panel, margin);
-        let value = quiet(section, curve.value, curve.name);
-        diagram(
-            &mut svg,
-            &view,
-            (&outline, mesh.points()),
-            &stations,
-            &value,
-            reach,
-        );
+        diagrams(&mut svg, &view, drawn, curve, reach);
         let style = Type::LABEL.anchored(Anchor::Start).bold();
         svg.text(
             [corner[0] + 8.0, corner[1] + 16.0],
             &with_unit(curve.name, &curve.unit),
             style,
         );
-        if k == 0 || flat {
+        if k == 0 || below {
             last_view = Some(view);
         }
     }
     if let Some(view) = last_view {
         scale_bar(&mut svg, &view, labels);
     }
-    Some(svg.finish())
+    svg.finish()
 }
 
-/// One diagram: from the middle line towards the first side, `reach` pixels for the largest value.
-fn diagram(
-    svg: &mut Svg,
-    view: &View,
-    (outline, points): (&[Strand], &[Point<2>]),
-    stations: &[&Station],
-    value: &dyn Fn(&Station) -> f64,
-    reach: f64,
-) {
-    let body = outline_path(outline, &|node| view.pixel(points[node]));
-    svg.path(&body, "#9aa5b0", 0.8, "#eef1f4", "fill-rule=\"evenodd\"");
-    let values: Vec<f64> = stations.iter().map(|s| value(s)).collect();
-    let largest = values
-        .iter()
-        .filter(|v| v.is_finite())
-        .fold(0.0, |m: f64, v| m.max(v.abs()));
-    let scale = if largest > 0.0 { reach / largest } else { 0.0 };
-    let base: Vec<Pixel> = stations.iter().map(|s| view.pixel(s.point)).collect();
-    let tip = |k: usize, value: f64| {
-        let [x, y] = on_paper(stations[k].toward_first);
-        [
-            base[k][0] + scale * value * x,
-            base[k][1] + scale * value * y,
-        ]
+/// One quantity of all sections, `reach` pixels for its largest value, with its extremes.
+fn diagrams(svg: &mut Svg, view: &View, drawn: &[Drawn<'_>], curve: &Curve, reach: f64) {
+    for own in drawn {
+        let body = outline_path(&own.outline, &|node| view.pixel(own.points[node]));
+        svg.path(&body, "#9aa5b0", 0.8, "#eef1f4", "fill-rule=\"evenodd\"");
+    }
+    let values = |own: &Drawn<'_>| -> Vec<f64> {
+        let value = quiet(own.solution, curve.value, curve.name);
+        own.stations.iter().map(|station| value(station)).collect()
     };
-    let tips: Vec<Pixel> = values.iter().enumerate().map(|(k, &v)| tip(k, v)).collect();
+    let values: Vec<Vec<f64>> = drawn.iter().map(values).collect();
+    let finite = values.iter().flatten().filter(|v| v.is_finite());
+    let largest = finite.fold(0.0, |m: f64, v| m.max(v.abs()));
+    let scale = if largest > 0.0 { reach / largest } else { 0.0 };
+    let mut ends: Vec<(f64, &Station)> = Vec::new();
+    for (own, values) in drawn.iter().zip(&values) {
+        diagram(svg, view, &own.stations, values, scale);
+        let known = values.iter().copied().zip(own.stations.iter().copied());
+        ends.extend(known.filter(|(value, _)| value.is_finite()));
+    }
+    let most = ends.iter().rev().max_by(|a, b| a.0.total_cmp(&b.0));
+    let least = ends.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    if let (Some(&least), Some(&most)) = (least, most) {
+        mark(svg, view, most, scale);
+        if (most.0 - least.0).abs() > 1e-3 * largest {
+            mark(svg, view, least, scale);
+        }
+    }
+}
+
+/// Where the value of a station is drawn: from the middle line towards the first side.
+fn tip(view: &View, station: &Station, length: f64) -> Pixel {
+    let (at, [x, y]) = (view.pixel(station.point), on_paper(station.toward_first));
+    [at[0] + length * x, at[1] + length * y]
+}
+
+/// One diagram from the middle line.
+fn diagram(svg: &mut Svg, view: &View, stations: &[&Station], values: &[f64], scale: f64) {
+    let base: Vec<Pixel> = stations.iter().map(|s| view.pixel(s.point)).collect();
+    let tips = stations.iter().zip(values);
+    let tips: Vec<Pixel> = tips.map(|(s, value)| tip(view, s, scale * value)).collect();
     let mut fills = [String::new(), String::new()];
     for k in 1..stations.len() {
         let (a, b) = (values[k - 1], values[k]);
@@ -305,60 +351,40 @@ fn diagram(
             svg.line(base[k], tips[k], SIGNS[usize::from(values[k] < 0.0)], 0.6);
         }
     }
-    svg.path(
-        &segments(&base, false),
-        INK,
-        0.8,
-        "none",
-        "stroke-dasharray=\"6 2 1.5 2\"",
-    );
-    svg.path(
-        &segments(&tips, false),
-        INK,
-        1.3,
-        "none",
-        "stroke-linejoin=\"round\"",
-    );
-    let finite = || (0..stations.len()).filter(|&k| values[k].is_finite());
-    let least = finite().min_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let most = finite()
-        .rev()
-        .max_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let hardly = |a: usize, b: usize| (values[a] - values[b]).abs() <= 1e-3 * largest;
-    let (Some(least), Some(most)) = (least, most) else {
-        return;
-    };
-    let mut marked = vec![most];
-    if !hardly(least, most) {
-        marked.push(least);
-    }
-    for k in marked {
-        let away = if values[k] < 0.0 { -1.0 } else { 1.0 };
-        let [x, y] = on_paper(stations[k].toward_first);
-        let label = number(values[k]);
-        let style = Type::LABEL
-            .coloured(SIGNS[usize::from(values[k] < 0.0)])
-            .bold()
-            .rimmed();
-        let half = 0.5 * text_width(&label, style.size) + 2.0;
-        let at = [
-            tips[k][0] + away * (4.0 + half) * x,
-            tips[k][1] + away * 10.0 * y + 4.0,
-        ];
-        let (low, high) = (view.corner[0] + half, view.corner[0] + view.size[0] - half);
-        let top = view.corner[1] + 30.0;
-        let bottom = view.corner[1] + view.size[1] - 2.0;
-        svg.circle(tips[k], 2.2, "#fff", style.colour, "");
-        svg.text(
-            [at[0].clamp(low, high.max(low)), at[1].clamp(top, bottom)],
-            &label,
-            style,
-        );
-    }
+    let dashes = "stroke-dasharray=\"6 2 1.5 2\"";
+    svg.path(&segments(&base, false), INK, 0.8, "none", dashes);
+    let round = "stroke-linejoin=\"round\"";
+    svg.path(&segments(&tips, false), INK, 1.3, "none", round);
+}
+
+/// An extreme with its value.
+fn mark(svg: &mut Svg, view: &View, (value, station): (f64, &Station), scale: f64) {
+    let away = if value < 0.0 { -1.0 } else { 1.0 };
+    let at = tip(view, station, scale * value);
+    let [x, y] = on_paper(station.toward_first);
+    let label = number(value);
+    let style = Type::LABEL
+        .coloured(SIGNS[usize::from(value < 0.0)])
+        .bold()
+        .rimmed();
+    let half = 0.5 * text_width(&label, style.size) + 2.0;
+    let place = [
+        at[0] + away * (4.0 + half) * x,
+        at[1] + away * 10.0 * y + 4.0,
+    ];
+    let (low, high) = (view.corner[0] + half, view.corner[0] + view.size[0] - half);
+    let top = view.corner[1] + 30.0;
+    let bottom = view.corner[1] + view.size[1] - 2.0;
+    svg.circle(at, 2.2, "#fff", style.colour, "");
+    let place = [
+        place[0].clamp(low, high.max(low)),
+        place[1].clamp(top, bottom),
+    ];
+    svg.text(place, &label, style);
 }
 
 /// Plots over s, one above the other, with the envelope of the steps behind the last one.
-fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels) -> Markup {
+fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels, width: f64) -> Markup {
     let Some(&last) = steps.last() else {
         return Markup::default();
     };
@@ -369,7 +395,7 @@ fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels) -> Markup {
     let mut svg = Svg::new(
         &format!("section{index}-s"),
         "Section forces over s",
-        WIDTH,
+        width,
         height,
     );
     let order = sorted(last);
@@ -400,8 +426,8 @@ fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels) -> Markup {
         let top = 12.0 + k as f64 * (high + 22.0);
         let frame = Frame {
             corner: [92.0, top],
-            size: [WIDTH - 112.0, high],
-            x: Axis::linear("s", &labels.length, &ways, false, 10).roomy(),
+            size: [width - 112.0, high],
+            x: Axis::linear("s", &labels.length, &ways, false, ticks(width)).roomy(),
             y: Axis::linear(curve.name, &curve.unit, &shown, true, 4).widened(0.12),
         };
         if steps.len() > 1 {
@@ -477,7 +503,8 @@ fn interaction(
     steps: &[&SectionSolution],
     index: usize,
     labels: &Labels,
-) -> (Markup, String) {
+    width: f64,
+) -> Markup {
     let stations = || steps.iter().flat_map(|step| &step.stations);
     let (thin, thick) = stations().fold((f64::INFINITY, 0.0_f64), |(a, b), s| {
         (a.min(s.thickness), b.max(s.thickness))
@@ -500,13 +527,13 @@ fn interaction(
     let mut svg = Svg::new(
         &format!("section{index}-limit"),
         "Normal force and moment within the limit",
-        WIDTH,
+        width,
         380.0,
     );
     let frame = Frame {
         corner: [100.0, 14.0],
-        size: [WIDTH - 130.0, 316.0],
-        x: Axis::linear("N", &labels.per_length, &side(0), true, 9).roomy(),
+        size: [width - 130.0, 316.0],
+        x: Axis::linear("N", &labels.per_length, &side(0), true, ticks(width)).roomy(),
         y: Axis::linear("M", &labels.moment_per_length, &side(1), true, 7).widened(0.06),
     };
     for (limit, fill) in limits.iter().zip(["#eef4ee", "none"]) {
@@ -574,6 +601,11 @@ fn interaction(
             );
         }
     }
+    svg.finish()
+}
+
+/// The limit in words.
+fn limit_in_words(capacity: &Capacity, several: bool, labels: &Labels) -> String {
     let mut strengths = format!(
         "Compressive strength {}, tensile strength {}",
         quantity(capacity.compression, &labels.stress),
@@ -582,17 +614,16 @@ fn interaction(
     if !capacity.reinforcement.is_empty() {
         strengths += &format!(", {} layers of bars", count(capacity.reinforcement.len()));
     }
-    let grey = if steps.len() > 1 {
+    let grey = if several {
         " Grey: earlier load steps."
     } else {
         ""
     };
-    let caption = format!(
+    format!(
         "{strengths}. Limit by strain compatibility with rectangular stress blocks (form of EN 1992-1-1, 3.1.7 and 6.1; without bars \
          12.6.1): block over 0.8 of the depth of the neutral axis, crushing strain 0.0035. Dots: the stations.{grey} The \
          utilisation is 1 over the factor that takes N and M to the limit together."
-    );
-    (svg.finish(), caption)
+    )
 }
 
 /// The extremes over all stations and steps, each with the other forces there; σ are the stresses of the two sides.

@@ -6,7 +6,7 @@ use crate::model::{
 };
 use crate::output::markup::Markup;
 use crate::output::points::{couples, draw_points, forces, in_words};
-use crate::output::scene::{Scene, WIDTH, mesh_lines, outline_path, polyline, strands};
+use crate::output::scene::{Scene, mesh_lines, outline_path, polyline, strands};
 use crate::output::svg::{
     ALARM, Anchor, BAR, INK, LOAD, MUTED, Pixel, RULE, SERIES, SUPPORT, Svg, TINTS, Type,
     text_width,
@@ -27,10 +27,10 @@ const BARE: f64 = 30.0;
 pub const NAMED: usize = 12;
 
 /// The figure as an SVG element; `alone` are contact nodes without an opposite side.
-pub fn setup_figure(scene: &Scene, alone: &[Point<2>]) -> Markup {
+pub fn setup_figure(scene: &Scene, alone: &[Point<2>], width: f64) -> Markup {
     let labels = Labels::of(scene.model);
-    let (views, height) = scene.views(margin(scene), STRIP, 0.0);
-    let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);
+    let (views, height) = scene.views(width, margin(scene), STRIP);
+    let mut svg = Svg::new("setup", "Mesh, supports and loads", width, height);
     for view in &views {
         draw_view(&mut svg, scene, view, &labels);
         for &point in alone.iter().filter(|p| view.sees(view.pixel(**p))) {
@@ -40,7 +40,8 @@ pub fn setup_figure(scene: &Scene, alone: &[Point<2>]) -> Markup {
     if let [whole, detail] = views.as_slice() {
         mark_detail(&mut svg, whole, detail);
     }
-    let bottom = legend(&mut svg, scene, &labels, !alone.is_empty(), height + 6.0);
+    let place = [width, height + 6.0];
+    let bottom = legend(&mut svg, scene, &labels, !alone.is_empty(), place);
     svg.set_height(bottom);
     svg.finish()
 }
@@ -211,9 +212,9 @@ fn contact_line(svg: &mut Svg, scene: &Scene, view: &View, contact: &Contact<2>,
     }
 }
 
-/// Names of tints, lines and symbols; returns the lower end.
-fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, alone: bool, top: f64) -> f64 {
-    let mut flow = name_parts(svg, scene.model, labels, top);
+/// Names of tints, lines and symbols below a figure of this width and height; returns the lower end.
+fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, alone: bool, below: Pixel) -> f64 {
+    let mut flow = name_parts(svg, scene.model, labels, below);
     if alone {
         name_alone(svg, &mut flow);
     }
@@ -221,17 +222,18 @@ fn legend(svg: &mut Svg, scene: &Scene, labels: &Labels, alone: bool, top: f64) 
     flow.y + 12.0
 }
 
-/// Begins a legend below this height: bodies, contacts and points of couples.
+/// Begins a legend below a figure of this width and height: bodies, contacts and points of couples.
 pub fn name_parts<const D: usize>(
     svg: &mut Svg,
     model: &Model<D>,
     labels: &Labels,
-    top: f64,
+    [width, top]: Pixel,
 ) -> Flow {
-    svg.line([0.0, top], [WIDTH, top], RULE, 1.0);
+    svg.line([0.0, top], [width, top], RULE, 1.0);
     let mut flow = Flow {
         x: 4.0,
         y: top + 20.0,
+        width,
     };
     let more = |svg: &mut Svg, flow: &mut Flow, count: usize, what: &str| {
         if count > NAMED {
@@ -411,26 +413,50 @@ pub fn body_text<const D: usize>(body: &Body<D>, labels: &Labels) -> String {
     text
 }
 
+/// A text in lines that are not wider than this, divided at its spaces.
+fn wrapped(text: &str, size: f64, width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if text_width(&format!("{line} {word}"), size) <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_string()),
+        }
+    }
+    lines
+}
+
 /// Places entries of a legend in rows.
 pub struct Flow {
     /// Where the next entry begins.
     pub x: f64,
     /// Baseline of the row.
     pub y: f64,
+    /// Of the figure.
+    pub width: f64,
 }
 
 impl Flow {
-    /// Writes the text of the next entry; returns the place of its symbol, 16 px wide.
+    /// Writes the text of the next entry, in several lines if it is wider than the figure; returns the place of its symbol, 16 px
+    /// wide.
     pub fn explain(&mut self, svg: &mut Svg, text: &str) -> Pixel {
         let at = self.next(text);
         let start = Type::LABEL.anchored(Anchor::Start);
-        svg.text([at[0] + 22.0, at[1]], text, start);
+        for (k, line) in wrapped(text, start.size, self.width - 26.0)
+            .iter()
+            .enumerate()
+        {
+            self.y = at[1] + 14.0 * k as f64;
+            svg.text([at[0] + 22.0, self.y], line, start);
+        }
         at
     }
 
     fn next(&mut self, text: &str) -> Pixel {
         let width = 22.0 + text_width(text, Type::LABEL.size) + 20.0;
-        if self.x > 4.0 && self.x + width > WIDTH {
+        if self.x > 4.0 && self.x + width > self.width {
             (self.x, self.y) = (4.0, self.y + 20.0);
         }
         let at = [self.x, self.y];

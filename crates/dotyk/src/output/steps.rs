@@ -3,12 +3,13 @@
 use crate::geometry::{norm, sub};
 use crate::model::{BodySolution, ContactSolution, MemberWords, Model, Solution};
 use crate::output::Overview;
-use crate::output::figures::Figures;
-use crate::output::html::{Head, column, figure, left, plain, table, text};
+use crate::output::figures::course;
+use crate::output::html::{Head, column, fitted, left, plain, table, text};
 use crate::output::json::{closed_and_open, largest};
 use crate::output::markup::{Markup, markup};
 use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
 use crate::output::plot::Axis;
+use crate::output::svg::SERIES;
 use crate::output::text::{Labels, Scales, count, number, vector, without_noise};
 use crate::output::utilisation::largest_utilisation;
 use crate::output::vtu::judged;
@@ -32,17 +33,22 @@ pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
         number(run.last.time)
     );
     out += stages(run);
-    if let Some(svg) = steps_figure(&steps, labels) {
-        let left = numbers(run.last).count().saturating_sub(MOST_PANELS);
-        let more = match left {
-            0 => String::new(),
-            left => format!(" The last {} probes are in the table alone.", count(left)),
-        };
-        let caption = format!("Contact and probes against the time t of the steps.{more}");
-        out += figure(&svg, "Load steps", &caption);
-    }
+    out += course(run);
+    out += steps_figure(&steps, labels);
     out += overview(&steps, labels);
-    for contact in contact_names(&steps) {
+    let told = contact_names(&steps);
+    let all = steps
+        .iter()
+        .map(|step| step.contacts.len())
+        .max()
+        .unwrap_or(0);
+    if told.len() < all {
+        out += markup!(
+            "<p>Of the contacts the {} that bear most are drawn and told here, all of them in contact.csv.</p>\n",
+            count(told.len())
+        );
+    }
+    for contact in told {
         out += contact_table(&steps, contact, labels);
     }
     let probes: Vec<usize> = numbers(run.last).collect();
@@ -56,8 +62,7 @@ pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
     out
 }
 
-/// What is there in each step, and pictures of the stages before the last; nothing where steps have no names and nothing comes or
-/// goes.
+/// What is there in each step; nothing where steps have no names and nothing comes or goes.
 fn stages<const D: usize>(run: &Overview<'_, D>) -> Markup {
     let several = run.model.has_stages();
     if !several && (0..run.stages.len()).all(|step| run.step_name(step).is_none()) {
@@ -91,29 +96,7 @@ fn stages<const D: usize>(run: &Overview<'_, D>) -> Markup {
         [number, time].into_iter().chain(words).collect()
     };
     let table = table(&heads, both().map(row).collect());
-    let mut out = markup!("<h3>Stages</h3>\n{}", table);
-    let names = |stage: &Model<D>| -> Vec<String> {
-        let bodies = stage.bodies.iter().map(|body| body.name.clone());
-        bodies
-            .chain(stage.contacts.iter().map(|c| c.name.clone()))
-            .collect()
-    };
-    // the last step of each run in which no part comes or goes; that of the whole is shown below
-    let ends = both().zip(run.stages.iter().skip(1));
-    let ends = ends.filter(|((_, (_, stage)), next)| several && names(stage) != names(next));
-    for ((step, (solution, stage)), _) in ends {
-        let name = run
-            .step_name(step)
-            .map_or(String::new(), |name| format!(" {name}"));
-        out += markup!(
-            "<details><summary>Deformation and stress after step {}{}, t = {}</summary>\n{}</details>\n",
-            count(step + 1),
-            name,
-            number(solution.time),
-            Figures::of(stage).deformed(solution)
-        );
-    }
-    out
+    markup!("<h3>Stages</h3>\n{}", table)
 }
 
 fn panels<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Vec<Panel> {
@@ -157,15 +140,21 @@ fn panels<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Vec<Panel>
     list
 }
 
-/// Names of the contacts of all steps, each once.
+/// Names of the contacts that bear most in any step, as many as there are kinds of curves; in the order of the model.
 fn contact_names<'a, const D: usize>(steps: &[&'a Solution<D>]) -> Vec<&'a str> {
-    let mut names: Vec<&str> = Vec::new();
+    let mut names: Vec<(&str, f64)> = Vec::new();
     for contact in steps.iter().flat_map(|step| &step.contacts) {
-        if !names.contains(&contact.name.as_str()) {
-            names.push(&contact.name);
+        let force = norm(contact.resultant);
+        match names.iter_mut().find(|own| own.0 == contact.name) {
+            Some(own) => own.1 = own.1.max(force),
+            None => names.push((&contact.name, force)),
         }
     }
-    names
+    let mut order: Vec<usize> = (0..names.len()).collect();
+    order.sort_by(|&a, &b| names[b].1.total_cmp(&names[a].1));
+    order.truncate(SERIES.len());
+    order.sort_unstable();
+    order.into_iter().map(|k| names[k].0).collect()
 }
 
 /// Indices of the probes of one number.
@@ -176,19 +165,28 @@ fn numbers<const D: usize>(solution: &Solution<D>) -> impl Iterator<Item = usize
         .map(|(i, _)| i)
 }
 
-fn steps_figure<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Option<Markup> {
+fn steps_figure<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Markup {
     let panels = panels(steps, labels);
-    if panels.is_empty() {
-        return None;
-    }
-    let times: Vec<f64> = steps.iter().map(|s| s.time).collect();
-    let x = Abscissae {
-        axis: Axis::linear("t", "", &times, false, 6).roomy(),
-        values: &times,
-        hint: &|i, t| format!("step {}, t = {}", i + 1, number(t)),
+    let (Some(last), false) = (steps.last(), panels.is_empty()) else {
+        return Markup::default();
     };
+    let times: Vec<f64> = steps.iter().map(|s| s.time).collect();
     let title = "Contact and probes against the time of the load steps";
-    Some(panels_figure("steps", title, &panels, &x))
+    let draw = |width| {
+        let x = Abscissae {
+            axis: Axis::linear("t", "", &times, false, 4).roomy(),
+            values: &times,
+            hint: &|i, t| format!("step {}, t = {}", i + 1, number(t)),
+        };
+        panels_figure("steps", title, &panels, &x, width)
+    };
+    let left = numbers(last).count().saturating_sub(MOST_PANELS);
+    let more = match left {
+        0 => String::new(),
+        left => format!(" The last {} probes are in the table alone.", count(left)),
+    };
+    let caption = format!("Contact and probes against the time t of the steps.{more}");
+    fitted(&draw, "Load steps", &caption)
 }
 
 fn first_cells<const D: usize>(step: usize, solution: &Solution<D>) -> Vec<String> {
@@ -263,6 +261,13 @@ fn moved_since<const D: usize>(body: &BodySolution<D>, before: Option<&Solution<
 }
 
 fn contact_table<const D: usize>(steps: &[&Solution<D>], name: &str, labels: &Labels) -> Markup {
+    let own = steps.iter().filter_map(|step| step.contact(name));
+    if own
+        .clone()
+        .all(|contact| closed_and_open(&contact.nodes).0 == 0)
+    {
+        return markup!("<p>Contact {}: open everywhere in every step.</p>\n", name);
+    }
     let heads = vec![
         column("nodes closed / open", ""),
         column(&labels.in_contact().to_lowercase(), labels.extent().1),
@@ -334,15 +339,18 @@ mod tests {
         let labels = Labels::of(&model);
         let run = Overview {
             earlier: &earlier,
+            stages: vec![Cow::Borrowed(&model); 2],
             ..tunnel::run(&model, &solution)
         };
         let section = steps_section(&run, &labels);
         // overview, contact and probes
         assert_eq!(section.matches("<td>0.25</td>").count(), 3);
         assert!(section.contains("last of 2 steps"));
-        // three plots of the contact and one of the probe, whose first value is undefined
-        assert_eq!(section.matches("step 1, t = 0.25").count(), 3);
-        assert_eq!(section.matches("step 2, t = 1").count(), 4);
+        // three plots of the contact and one of the probe, whose first value is undefined; for pages and for phones
+        assert_eq!(section.matches("step 1, t = 0.25").count(), 6);
+        assert_eq!(section.matches("step 2, t = 1").count(), 8);
+        // a picture of each step
+        assert_eq!(section.matches("type=\"radio\"").count(), 2);
         assert!(steps_section(&tunnel::run(&model, &solution), &labels).is_empty());
     }
 }

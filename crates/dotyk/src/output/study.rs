@@ -2,13 +2,13 @@
 
 use crate::model::{Column, Study, StudyMember};
 use crate::output::csv::quoted;
-use crate::output::html::{self, Head, column, figure, left, plain, table, text};
+use crate::output::html::{self, Head, column, figure, fitted, left, plain, table, text};
 use crate::output::json::VERSION;
 use crate::output::markup::{Markup, markup};
-use crate::output::panels::{Abscissae, Panel, Series, legend, panels_figure};
-use crate::output::plot::{Axis, Frame};
+use crate::output::panels::{Abscissae, Panel, Series, panels_figure};
+use crate::output::plot::{Axis, Frame, Stroke, keys};
 use crate::output::scene::WIDTH;
-use crate::output::svg::{SERIES, Svg};
+use crate::output::svg::Svg;
 use crate::output::text::{Labels, count, number};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -47,8 +47,8 @@ pub fn study_page(study: &Study, picture: Option<&Markup>, stem: &str) -> Markup
         let caption = "In the last load step; a dot is a member of the study.";
         body += figure(svg, "Against each other", caption);
     }
-    if let Some((svg, caption)) = plots(study, &labels) {
-        body += figure(&svg, "Probes", &caption);
+    if let Some(figure) = plots(study, &labels) {
+        body += figure;
     }
     body += warnings(study);
     body += members_table(study, &labels);
@@ -127,7 +127,7 @@ pub fn study_picture(study: &Study, pairs: &[[String; 2]]) -> Markup {
     let mut svg = Svg::new("pairs", title, WIDTH, 0.0);
     let names: Vec<&str> = drawn.iter().map(|(name, _)| name.as_str()).collect();
     // measured on a separate drawing: the background comes first
-    let top = legend(&mut Svg::new("", "", WIDTH, 0.0), &names) + 6.0;
+    let top = keys(&mut Svg::new("", "", WIDTH, 0.0), [70.0, WIDTH], &names) + 6.0;
     let frame = Frame {
         corner: [70.0, top],
         size: [WIDTH - 90.0, 330.0],
@@ -137,13 +137,14 @@ pub fn study_picture(study: &Study, pairs: &[[String; 2]]) -> Markup {
     let height = top + frame.size[1] + 46.0;
     svg.set_height(height);
     svg.rectangle([0.0, 0.0], [WIDTH, height], "none", "#fff");
-    legend(&mut svg, &names);
+    keys(&mut svg, [70.0, WIDTH], &names);
     frame.draw(&mut svg, true);
-    for ((name, points), colour) in drawn.iter().zip(SERIES.iter().cycle()) {
-        frame.curve(&mut svg, points, colour, 1.8);
+    for (k, (name, points)) in drawn.iter().enumerate() {
+        let stroke = Stroke::of(k, drawn.len());
+        frame.stroke(&mut svg, points, stroke);
         for p in points.iter().filter(|p| seen(p)).take(MOST_DOTS) {
             let hint = format!("{name}: {}, {}", number(p[0]), number(p[1]));
-            svg.circle(frame.at(p[0], p[1]), 2.8, colour, "#fff", &hint);
+            stroke.dot(&mut svg, frame.at(p[0], p[1]), &hint);
         }
     }
     svg.finish()
@@ -223,7 +224,7 @@ fn shown<'c, 'a>(curves: &'c [Curve<'a>]) -> impl Iterator<Item = &'c Curve<'a>>
 }
 
 /// The plots against the parameter with the most values, a curve for each combination of the others.
-fn plots(study: &Study, labels: &Labels) -> Option<(Markup, String)> {
+fn plots(study: &Study, labels: &Labels) -> Option<Markup> {
     let (along, most) = longest(study)?;
     if most < 2 || study.probes.is_empty() {
         return None;
@@ -266,7 +267,8 @@ fn plots(study: &Study, labels: &Labels) -> Option<(Markup, String)> {
         _ => ", a curve for each combination of the others.".to_string(),
     }
     .as_str();
-    Some((panels_figure("study", &title, &panels, &x), caption))
+    let draw = |width| panels_figure("study", &title, &panels, &x, width);
+    Some(fitted(&draw, "Probes", &caption))
 }
 
 /// Members that differ in one parameter alone, in the order of its values.

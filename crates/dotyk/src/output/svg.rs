@@ -10,6 +10,9 @@ use std::fmt::Write;
 /// A point of the drawing, in pixels.
 pub type Pixel = [f64; 2];
 
+/// A higher drawing may take more than a third of a sheet of paper.
+const TALL: f64 = 700.0;
+
 /// Text and axes.
 pub const INK: &str = "#1d2733";
 /// Secondary text.
@@ -36,6 +39,8 @@ pub const ALARM: &str = "#b3261e";
 pub const SERIES: [&str; 6] = [
     "#c2410c", "#0b6aa8", "#00795b", "#8a3d7c", "#8a6d00", "#3a4a5a",
 ];
+/// Colours of positive and negative values.
+pub const SIGNS: [&str; 2] = [SERIES[1], SERIES[0]];
 /// Fills of bodies.
 pub const TINTS: [&str; 6] = [
     "#d9e6f2", "#f4e7d1", "#dcecdf", "#ecdfec", "#f3eec7", "#e3e6ea",
@@ -117,6 +122,8 @@ pub struct Svg {
     body: Markup,
     clips: usize,
     id: String,
+    /// Lower and upper corners of labels that give way to each other.
+    labels: Vec<[Pixel; 2]>,
 }
 
 impl Svg {
@@ -129,6 +136,7 @@ impl Svg {
             body: Markup::default(),
             clips: 0,
             id: id.to_string(),
+            labels: Vec::new(),
         }
     }
 
@@ -199,9 +207,46 @@ impl Svg {
         };
     }
 
+    /// A dot of one of four shapes, white inside; `title` is shown while the pointer rests on it.
+    pub fn dot(&mut self, at: Pixel, radius: f64, shape: usize, colour: &str, title: &str) {
+        let r = radius;
+        let corners: &[Pixel] = match shape % 4 {
+            0 => return self.circle(at, r, colour, "#fff", title),
+            1 => &[[-r, -r], [r, -r], [r, r], [-r, r]],
+            2 => &[
+                [0.0, -1.3 * r],
+                [1.3 * r, 0.0],
+                [0.0, 1.3 * r],
+                [-1.3 * r, 0.0],
+            ],
+            _ => &[[0.0, -1.3 * r], [1.2 * r, r], [-1.2 * r, r]],
+        };
+        let corners: Vec<Pixel> = corners
+            .iter()
+            .map(|c| [at[0] + c[0], at[1] + c[1]])
+            .collect();
+        self.body += markup!(
+            "<path d=\"{}\" stroke=\"{}\" fill=\"#fff\"><title>{}</title></path>\n",
+            segments(&corners, true),
+            colour,
+            title
+        );
+    }
+
     /// A line of text with its baseline at `at`.
     pub fn text(&mut self, at: Pixel, text: &str, style: Type) {
         self.turned_text(at, text, style, 0.0);
+    }
+
+    /// Takes this place for a label, if no other label has a part of it.
+    pub fn take(&mut self, [low, high]: [Pixel; 2]) -> bool {
+        let apart =
+            |other: &[Pixel; 2]| (0..2).any(|i| high[i] <= other[0][i] || low[i] >= other[1][i]);
+        let free = self.labels.iter().all(apart);
+        if free {
+            self.labels.push([low, high]);
+        }
+        free
     }
 
     /// Text turned by `degrees` clockwise about its anchor.
@@ -270,7 +315,8 @@ impl Svg {
     /// Clips all further drawing to this rectangle, until [`Svg::end_clip`].
     pub fn begin_clip(&mut self, corner: Pixel, size: Pixel) {
         self.clips += 1;
-        let id = format!("{}-clip{}", self.id, self.clips);
+        // the same drawing may stand in a page twice, in two widths
+        let id = format!("{}-{}-clip{}", self.id, short(self.width), self.clips);
         self.body += markup!(
             "<clipPath id=\"{0}\"><rect x=\"{1}\" y=\"{2}\" width=\"{3}\" height=\"{4}\"/></clipPath>\n<g clip-path=\"url(#{0})\">\n",
             id,
@@ -289,12 +335,16 @@ impl Svg {
     /// The finished drawing, with the namespace that a file of its own needs.
     pub fn finish(self) -> Markup {
         markup!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\"{4} viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" role=\"img\" \
              aria-label=\"{2}\" font-family=\"'Inter','Segoe UI',system-ui,-apple-system,'Helvetica Neue',Arial,sans-serif\">\n{3}</svg>\n",
             short(self.width),
             short(self.height),
             self.description,
             self.body,
+            match self.height > TALL {
+                true => markup!(" class=\"tall\""),
+                false => Markup::default(),
+            },
         )
     }
 }

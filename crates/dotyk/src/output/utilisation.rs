@@ -1,8 +1,8 @@
 //! The utilisation of the strength: the largest one, and its picture.
 
 use crate::model::{BodySolution, Peak, Solution};
-use crate::output::deformed::CLEARLY;
 use crate::output::picture::Picture;
+use crate::output::ranges::CLEARLY;
 use crate::output::text::number;
 
 /// Largest end of the colours: larger values are far beyond the strength.

@@ -3,7 +3,7 @@
 use crate::model::{Model, Solution, told_in_steps};
 use crate::output::Overview;
 use crate::output::history::history_figure;
-use crate::output::html::{self, column, described, figure, left, marked, plain, table, text};
+use crate::output::html::{self, column, described, fitted, left, marked, plain, table, text};
 use crate::output::markup::{Markup, markup};
 use crate::output::text::{Labels, count, number, power, vector};
 
@@ -213,9 +213,11 @@ pub fn solver<const D: usize>(model: &Model<D>, solution: &Solution<D>, labels: 
             .rho
             .map_or(String::new(), |rho| format!(", step ρ = {}", number(rho)))
     );
-    if let Some(svg) = history_figure(solution, model.solver.tolerance) {
+    if !report.history.is_empty() {
+        let tolerance = model.solver.tolerance;
+        let draw = |width| history_figure(solution, tolerance, width).unwrap_or_default();
         let caption = "Largest relative violation of the optimality conditions, and the number of contact unknowns with a force.";
-        out += figure(&svg, "Convergence", caption);
+        out += fitted(&draw, "Convergence", caption);
     }
     if report.bolts.is_empty() {
         return out;

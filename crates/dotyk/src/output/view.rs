@@ -100,7 +100,10 @@ pub fn on_paper(d: Point<2>) -> Pixel {
     [d[0], -d[1]]
 }
 
-/// A label kept inside the window; `upright` turns it by a quarter.
+/// Ways by which a label gives way to others, across its line.
+const AWAY: [f64; 5] = [0.0, 14.0, -14.0, 28.0, -28.0];
+
+/// A label kept inside the window and off other labels; `upright` turns it by a quarter.
 pub fn beside(
     svg: &mut Svg,
     view: &View,
@@ -125,12 +128,22 @@ pub fn beside(
             0.5 * (low + high)
         }
     };
-    if upright {
-        let (x, y) = (keep(at[0], 0, 9.0), keep(at[1], 1, half));
-        svg.turned_text([x + 4.0, y], text, style, -90.0);
-    } else {
-        let (x, y) = (keep(at[0], 0, half), keep(at[1], 1, 9.0));
-        svg.text([x, y + 4.0], text, style);
+    let (across, along) = if upright { (0, 1) } else { (1, 0) };
+    let mut place = at;
+    for away in AWAY {
+        place[across] = keep(at[across] + away, across, 9.0);
+        place[along] = keep(at[along], along, half);
+        let mut room = [half, half];
+        room[across] = 6.5;
+        let corners = [-1.0, 1.0].map(|sign| [0, 1].map(|i| place[i] + sign * room[i]));
+        if svg.take(corners) {
+            break;
+        }
+    }
+    let [x, y] = place;
+    match upright {
+        true => svg.turned_text([x + 4.0, y], text, style, -90.0),
+        false => svg.text([x, y + 4.0], text, style),
     }
 }
 

@@ -1,6 +1,5 @@
 //! Pictures of a contact in space: pressure, gap and state on its faces alone, each seen from where it is open.
 
-use crate::geometry::norm;
 use crate::model::{ContactSolution, Solution, Status};
 use crate::output::encode::png;
 use crate::output::json::largest;
@@ -30,9 +29,6 @@ pub const FOOT: f64 = 48.0;
 /// Room between columns.
 const BETWEEN: f64 = 14.0;
 
-/// Most contacts with pictures: those that are not tied and bear most.
-const PICTURED: usize = 6;
-
 /// Remark beside the name of a side that is shown in part.
 const CUTOUT: &str = "cutout: what touches, with its surroundings";
 
@@ -49,21 +45,8 @@ const STATES: [(Status, &str); 6] = [
 /// Edges of cells on the colours of states.
 const CELLS: Ink = Ink { cover: 0.3, ..THIN };
 
-/// The figures of a contact; empty for a contact without nodes, and if many others bear more.
+/// The figures of a contact; empty for a contact without nodes.
 pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> Option<Markup> {
-    let force = |i: usize| norm(solution.contacts[i].resultant);
-    let tied = |i: usize| {
-        let first = solution.contacts[i].nodes.first();
-        first.is_some_and(|node| node.status == Status::Tied)
-    };
-    let before = (0..solution.contacts.len()).filter(|&i| {
-        let looser = tied(index).cmp(&tied(i));
-        let more = looser.then(force(i).total_cmp(&force(index)));
-        more.then(index.cmp(&i)).is_gt()
-    });
-    if before.count() >= PICTURED {
-        return None;
-    }
     let contact = &solution.contacts[index];
     let faces = faces(scene, contact)?;
     let (states, friction) = rayon::join(

@@ -23,6 +23,7 @@ mod turning;
 pub use picture::picture;
 pub use scene::Scene;
 pub use setup::model_figure;
+pub use stress::deformed_course;
 
 use crate::model::Solution;
 use crate::output::markup::Markup;
@@ -38,7 +39,7 @@ pub fn stress_figures(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
     shape + turning + section
 }
 
-/// Pressure, gap and state of a contact; empty if there are many contacts and others bear more.
+/// Pressure, gap and state of a contact.
 pub fn contact_figure(scene: &Scene<'_>, solution: &Solution<3>, index: usize) -> Markup {
     contact::contact_figure(scene, solution, index).unwrap_or_default()
 }

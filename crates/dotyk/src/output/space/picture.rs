@@ -1,11 +1,10 @@
 //! Pictures of a result on the surface of the bodies of a model in space, undeformed, with the lines where it reaches a limit.
 
 use crate::model::Solution;
-use crate::output::deformed::BAR;
 use crate::output::html;
 use crate::output::markup::Markup;
 use crate::output::picture::Picture;
-use crate::output::scene::WIDTH;
+use crate::output::ranges::BAR;
 use crate::output::space::camera::Window;
 use crate::output::space::canvas::{Canvas, Ink, Paint};
 use crate::output::space::scene::{HEAVY, PALE, Scene, triad_and_scale, windows};
@@ -33,27 +32,30 @@ const LIMIT: Ink = Ink {
 pub fn picture(scene: &Scene<'_>, solution: &Solution<3>, picture: &Picture<3>) -> Markup {
     let labels = Labels::of(scene.model);
     let extents = scene.cameras.map(|camera| camera.extent(scene.nodes()));
-    let (windows, height) = windows(&scene.cameras, &extents, MARGIN, WIDTH - BAR);
-    let mut svg = Svg::new(picture.id, picture.title, WIDTH, height);
-    let pictures = windows.par_iter().map(|window| {
-        let canvas = painted(scene, solution, picture, window);
-        let most = picture.most;
-        let seen = most.filter(|(at, _)| canvas.sees(window.place(*at), SEEN));
-        (canvas.png(), seen)
-    });
-    let pictures: Vec<_> = pictures.collect();
-    for ((window, word), (png, seen)) in windows.iter().zip(WORDS).zip(pictures) {
-        svg.picture(window.corner, window.size, &png);
-        if let Some((at, most)) = seen {
-            let at = window.pixel(at);
-            let above = [at[0], at[1] - 9.0];
-            svg.circle(at, 4.0, INK, ALARM, picture.most_called);
-            svg.text(above, &number(most), Type::LABEL.rimmed());
+    let draw = |width: f64| {
+        let (windows, height) = windows(&scene.cameras, &extents, MARGIN, width - BAR);
+        let mut svg = Svg::new(picture.id, picture.title, width, height);
+        let pictures = windows.par_iter().map(|window| {
+            let canvas = painted(scene, solution, picture, window);
+            let most = picture.most;
+            let seen = most.filter(|(at, _)| canvas.sees(window.place(*at), SEEN));
+            (canvas.png(), seen)
+        });
+        let pictures: Vec<_> = pictures.collect();
+        for ((window, word), (png, seen)) in windows.iter().zip(WORDS).zip(pictures) {
+            svg.picture(window.corner, window.size, &png);
+            if let Some((at, most)) = seen {
+                let at = window.pixel(at);
+                let above = [at[0], at[1] - 9.0];
+                svg.circle(at, 4.0, INK, ALARM, picture.most_called);
+                svg.text(above, &number(most), Type::LABEL.rimmed());
+            }
+            triad_and_scale(&mut svg, window, &labels, word);
         }
-        triad_and_scale(&mut svg, window, &labels, word);
-    }
-    picture.bar(&mut svg, height - 40.0);
-    html::figure(&svg.finish(), picture.title, &picture.caption)
+        picture.bar(&mut svg, [width, height - 40.0]);
+        svg.finish()
+    };
+    html::fitted(&draw, picture.title, &picture.caption)
 }
 
 fn painted(

@@ -8,7 +8,7 @@ use crate::mesh::Facet;
 use crate::model::Model;
 use crate::output::plot::round_down_to_125;
 use crate::output::points::in_reach;
-use crate::output::scene::WIDTH;
+use crate::output::scene::PHONE;
 use crate::output::space::camera::{Camera, Window};
 use crate::output::space::canvas::{Canvas, Ink, Paint};
 use crate::output::space::skin::{Look, Skin};
@@ -172,11 +172,11 @@ impl<'a> Scene<'a> {
     }
 
     /// Windows onto the bodies and the points of couples from both directions, below or beside each other; and the height of
-    /// the figure.
-    pub fn windows(&self, margin: f64) -> (Vec<Window>, f64) {
+    /// the figure, in a figure of this width.
+    pub fn windows(&self, margin: f64, width: f64) -> (Vec<Window>, f64) {
         let places = || self.nodes().chain(in_reach(self.model, self.bounds));
         let extents = self.cameras.map(|camera| camera.extent(places()));
-        windows(&self.cameras, &extents, margin, WIDTH)
+        windows(&self.cameras, &extents, margin, width)
     }
 
     /// Places of all nodes.
@@ -203,7 +203,7 @@ pub fn windows(
     };
     let widest = extents.iter().map(aspect).fold(0.0, f64::max);
     let count = cameras.len() as f64;
-    let beside = cameras.len() > 1 && widest < 1.7;
+    let beside = cameras.len() > 1 && widest < 1.7 && width > PHONE;
     let own = match beside {
         true => (width - (count - 1.0) * BETWEEN) / count,
         false => width,
@@ -267,7 +267,7 @@ pub fn triad_and_scale(svg: &mut Svg, window: &Window, labels: &Labels, word: &s
     let small = Type::SMALL.coloured(MUTED);
     let text = quantity(length, &labels.length);
     svg.text([end + 6.0, y + 3.8], &text, small.anchored(Anchor::Start));
-    let left = end + 14.0 + text_width(&text, small.size);
+    let left = end + 14.0 + 1.1 * text_width(&text, small.size);
     let right = window.corner[0] + window.size[0] - 4.0;
     if left + text_width(word, small.size) < right {
         svg.text([right, y + 3.8], word, small.anchored(Anchor::End));

@@ -9,16 +9,15 @@
 use crate::geometry::{Point, add_scaled, bounding_box, dot, unit};
 use crate::mesh::{Facet, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
 use crate::model::{Borders, ContactNode, ContactSolution, Solution, Status};
-use crate::output::deformed::{BAR, colour_bars, stress_scales};
 use crate::output::html;
 use crate::output::json::in_contact;
 use crate::output::markup::Markup;
-use crate::output::scene::WIDTH;
+use crate::output::ranges::{BAR, Range, colour_bars, least_height, stress_ranges};
 use crate::output::space::camera::{Camera, Window, beyond};
 use crate::output::space::canvas::{Canvas, Corner, Paint, between};
 use crate::output::space::scene::{HEAVY, PALE, Scene, triad_and_scale, windows};
 use crate::output::space::skin::{Lattices, Look};
-use crate::output::space::stress::{Scales, stress_values};
+use crate::output::space::stress::stress_values;
 use crate::output::svg::Svg;
 use crate::output::text::{Labels, quantity};
 use crate::output::view::Box2;
@@ -77,32 +76,33 @@ pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Marku
         .map(|corners| camera.extent(on_plane(corners, section.axis, section.at)));
     let extents: Vec<Box2> = std::iter::once(camera.extent(left)).chain(close).collect();
     let cameras = vec![camera; extents.len()];
-    let (mut windows, height) = windows(&cameras, &extents, MARGIN, WIDTH - BAR);
-    for window in windows.iter_mut().skip(1) {
-        window.filled = true;
-    }
-    let mut svg = Svg::new(
-        "section",
-        "Section coloured by von Mises stress",
-        WIDTH,
-        height,
-    );
-    let scales = stress_scales(solution);
-    let pictures = windows.par_iter();
-    let pictures = pictures.map(|w| cut(scene, solution, w, (on, normal), &scales).png());
-    let pictures: Vec<Vec<u8>> = pictures.collect();
-    for ((window, word), png) in windows.iter().zip(["", "close-up"]).zip(pictures) {
-        svg.picture(window.corner, window.size, &png);
-        triad_and_scale(&mut svg, window, &labels, word);
-    }
-    colour_bars(&mut svg, solution, &scales, &labels, height - 40.0);
+    let ranges = stress_ranges([solution]);
+    let draw = |width: f64| {
+        let (mut windows, height) = windows(&cameras, &extents, MARGIN, width - BAR);
+        for window in windows.iter_mut().skip(1) {
+            window.filled = true;
+        }
+        let height = height.max(least_height(&ranges) + 40.0);
+        let title = "Section coloured by von Mises stress";
+        let mut svg = Svg::new("section", title, width, height);
+        let pictures = windows.par_iter();
+        let pictures = pictures.map(|w| cut(scene, solution, w, (on, normal), &ranges).png());
+        let pictures: Vec<Vec<u8>> = pictures.collect();
+        for ((window, word), png) in windows.iter().zip(["", "close-up"]).zip(pictures) {
+            svg.picture(window.corner, window.size, &png);
+            triad_and_scale(&mut svg, window, &labels, word);
+        }
+        let size = [width, height - 40.0];
+        colour_bars(&mut svg, solution, &ranges, &labels, size);
+        svg.finish()
+    };
     let caption = format!(
         "The bodies, undeformed, behind the plane {} = {} through {}. Colour: von Mises stress.",
         ["x", "y", "z"][section.axis],
         quantity(section.at, &labels.length),
         section.why
     );
-    Some(html::figure(&svg.finish(), "Section", &caption))
+    Some(html::fitted(&draw, "Section", &caption))
 }
 
 /// Corners of the side of a box that a plane across an axis cuts out of it.
@@ -252,7 +252,7 @@ fn cut(
     solution: &Solution<3>,
     window: &Window,
     (on, normal): (Point<3>, Point<3>),
-    scales: &Scales,
+    ranges: &[Range],
 ) -> Canvas {
     let on = add_scaled(on, OFF * scene.size(), normal);
     let mut canvas = Canvas::new(window.size, &[PALE, HEAVY]);
@@ -262,13 +262,13 @@ fn cut(
     canvas.cut(Some((along, dot(along, origin))));
     for (body, skin) in scene.skins.iter().enumerate() {
         let mut look = Look::at(window, skin.mesh.points());
-        look.values = stress_values(solution, scales, body);
+        look.values = stress_values(solution, ranges, body);
         look.borders = solution.bodies[body].borders.clone();
         skin.fill(&mut canvas, &look, body, &|_| Paint::Scale);
     }
     canvas.cut(None);
     for (body, skin) in scene.skins.iter().enumerate() {
-        let values = stress_values(solution, scales, body);
+        let values = stress_values(solution, ranges, body);
         let cells = Cells {
             mesh: skin.mesh,
             values: &values,

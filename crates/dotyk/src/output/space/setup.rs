@@ -6,7 +6,6 @@ use crate::model::{Amount, Borders, Couple, Load, Pair, Place};
 use crate::output::html;
 use crate::output::markup::Markup;
 use crate::output::points::couples;
-use crate::output::scene::WIDTH;
 use crate::output::setup::{
     Flow, NAMED, draw_member, look, name_alone, name_links, name_loads, name_parts,
 };
@@ -37,30 +36,7 @@ pub const WORDS: [&str; 2] = ["from above", "other side, from below"];
 /// The figure; `alone` are contact nodes without an opposite side.
 pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> Markup {
     let labels = Labels::of(scene.model);
-    let (windows, height) = scene.windows(MARGIN);
-    let mut svg = Svg::new("setup", "Mesh, supports and loads", WIDTH, height);
-    let pictures = windows.par_iter().map(|window| {
-        let canvas = surfaces(scene, window);
-        let png = canvas.png();
-        (canvas, png)
-    });
-    let pictures: Vec<(Canvas, Vec<u8>)> = pictures.collect();
-    for ((window, word), (canvas, png)) in windows.iter().zip(WORDS).zip(pictures) {
-        svg.picture(window.corner, window.size, &png);
-        let sheet = Sheet {
-            svg: &mut svg,
-            scene,
-            window,
-            canvas: &canvas,
-            labels: &labels,
-            notes: Vec::new(),
-            arrows: Vec::new(),
-        };
-        sheet.symbols(alone);
-        triad_and_scale(&mut svg, window, &labels, word);
-    }
-    let bottom = legend(&mut svg, scene, &labels, !alone.is_empty(), height + 2.0);
-    svg.set_height(bottom);
+    let draw = |width| drawing(scene, alone, &labels, width);
     let cells: usize = scene.model.bodies.iter().map(|b| b.mesh.cell_count()).sum();
     let nodes: usize = scene
         .model
@@ -74,7 +50,41 @@ pub fn model_figure(scene: &Scene<'_>, alone: &[Point<3>]) -> Markup {
         count(cells),
         count(nodes)
     );
-    html::figure(&svg.finish(), "Mesh, supports and loads", &caption)
+    html::fitted(&draw, "Mesh, supports and loads", &caption)
+}
+
+fn drawing(scene: &Scene<'_>, alone: &[Point<3>], labels: &Labels, width: f64) -> Markup {
+    let (windows, height) = scene.windows(MARGIN, width);
+    let mut svg = Svg::new("setup", "Mesh, supports and loads", width, height);
+    let pictures = windows.par_iter().map(|window| {
+        let canvas = surfaces(scene, window);
+        let png = canvas.png();
+        (canvas, png)
+    });
+    let pictures: Vec<(Canvas, Vec<u8>)> = pictures.collect();
+    for ((window, word), (canvas, png)) in windows.iter().zip(WORDS).zip(pictures) {
+        svg.picture(window.corner, window.size, &png);
+        let sheet = Sheet {
+            svg: &mut svg,
+            scene,
+            window,
+            canvas: &canvas,
+            labels,
+            notes: Vec::new(),
+            arrows: Vec::new(),
+        };
+        sheet.symbols(alone);
+        triad_and_scale(&mut svg, window, labels, word);
+    }
+    let bottom = legend(
+        &mut svg,
+        scene,
+        labels,
+        !alone.is_empty(),
+        [width, height + 2.0],
+    );
+    svg.set_height(bottom);
+    svg.finish()
 }
 
 /// The bodies in their tints, held sides greenish and loaded ones bluish, with their edges and those of the contacts.
@@ -388,8 +398,8 @@ fn told(load: &Load<3>, marks: &[Mark], time: f64, labels: &Labels) -> Option<St
 }
 
 /// Names of tints, lines and symbols; returns the lower end.
-fn legend(svg: &mut Svg, scene: &Scene<'_>, labels: &Labels, alone: bool, top: f64) -> f64 {
-    let mut flow = name_parts(svg, scene.model, labels, top);
+fn legend(svg: &mut Svg, scene: &Scene<'_>, labels: &Labels, alone: bool, below: [f64; 2]) -> f64 {
+    let mut flow = name_parts(svg, scene.model, labels, below);
     name_holds(svg, scene, &mut flow);
     if scene.model.bodies.iter().any(|b| !b.loads.is_empty()) {
         name_loads(svg, &mut flow);

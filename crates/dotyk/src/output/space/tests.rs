@@ -184,7 +184,7 @@ fn points_of_couples_are_in_the_picture_and_in_its_legend() {
         model.bodies[top].couples.push(couple);
     }
     let scene = Scene::new(&model);
-    let (windows, _) = scene.windows(46.0);
+    let (windows, _) = scene.windows(46.0, 760.0);
     assert_eq!(windows.len(), 2);
     for window in windows {
         let sees = |height| window.sees(window.pixel([1.0, 1.0, height]), 46.0 - 1e-9);
@@ -200,15 +200,16 @@ fn the_pages_of_a_model_in_space_show_it() {
     let (model, solution) = punch();
     let count = |page: &str, what: &str| page.matches(what).count();
     let check = report::check_page(&model, "fine", &[[0.5, 0.5, 1.0]], "punch");
-    assert_eq!((count(&check, "<image"), count(&check, "<canvas")), (2, 0));
+    // for pages and for phones
+    assert_eq!((count(&check, "<image"), count(&check, "<canvas")), (4, 0));
     assert!(check.contains("contact node that faces nothing"));
     let steps = [solution];
     let record = Record::of(&model, &steps, "punch");
     let page = report::page(&record.overview().unwrap());
-    // the mesh twice; the shape twice with its scale; the section with its scale; three pictures of two faces, a scale or two;
-    // shear and slip, with a scale or two
+    // for pages and for phones: the mesh twice; the shape twice with its scale; the section with its scale; for both: three pictures
+    // of two faces, a scale or two; shear and slip, with a scale or two
     let pictures = count(&page, "<image");
-    assert!((17..=19).contains(&pictures), "{pictures}");
+    assert!((24..=26).contains(&pictures), "{pictures}");
     assert_eq!((count(&page, "<canvas"), count(&page, "<script>")), (1, 1));
     assert_eq!(record.figures().len(), count(&page, "<figure"));
 }
