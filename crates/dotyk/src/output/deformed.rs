@@ -452,9 +452,10 @@ mod tests {
         let scene = Scene::new(&model);
         let (views, _) = windows(&scene, WIDTH);
         assert!(close_up(&scene, &solution, &views).is_none());
-        let at = model.bodies[1].mesh.points()[40];
+        // at the hole, where cells are small
+        let at = model.bodies[1].mesh.points()[0];
         let most = StressAt { value: 1e6, at };
-        solution.bodies[1].von_mises[40] = most.value;
+        solution.bodies[1].von_mises[0] = most.value;
         solution.bodies[1].peak = Some(Peak { most, place: None });
         // seen in the whole model alone
         let (body, centre, reach) = close_up(&scene, &solution, &[]).unwrap();
