@@ -136,7 +136,7 @@ fn surface(scene: &Scene) -> Vec<Upper> {
         let x = 0.5 * (facet.left[0] + facet.right[0]);
         let own = height(facet, x) + level;
         let over =
-            |other: &Upper| other.left[0] < x && x < other.right[0] && height(other, x) > own;
+            |other: &Upper| other.left[0] <= x && x <= other.right[0] && height(other, x) > own;
         !upper.iter().any(over)
     };
     let free: Vec<bool> = upper.iter().map(|facet| is_free(&facet)).collect();
