@@ -275,6 +275,9 @@ pub fn method_of(py: Python<'_>, name: &str) -> PyResult<Method> {
 /// Name, nodes and cells, resultant of the loads, held dofs, and the rigid motions left with the contacts that hold them.
 type Found = (String, [usize; 2], Vec<f64>, usize, Vec<String>);
 
+/// Name, kind and ends of a member, its length, the number of its elements, and how many it stands for.
+type FoundMember = (String, &'static str, [String; 2], f64, usize, f64);
+
 /// The results of a check.
 struct Checked {
     errors: Vec<String>,
@@ -282,7 +285,7 @@ struct Checked {
     notes: Vec<String>,
     bodies: Vec<Found>,
     contacts: Vec<(String, [String; 2], usize)>,
-    members: Vec<(String, &'static str, [String; 2], f64, usize, f64)>,
+    members: Vec<FoundMember>,
     text: String,
 }
 

@@ -23,7 +23,7 @@ const LEAST: f64 = 0.7;
 /// The figure; empty without a stress.
 pub fn crosses_figure(scene: &Scene, solution: &Solution<2>) -> Markup {
     let ranges = stress_ranges([solution]);
-    if ranges.iter().all(|range| !(range.high > 0.0)) {
+    if !ranges.iter().any(|range| range.high > 0.0) {
         return Markup::default();
     }
     let labels = Labels::of(scene.model);
