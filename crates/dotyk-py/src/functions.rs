@@ -70,7 +70,12 @@ fn called(
     };
     let at = &points[wrong / function.components.unwrap_or(1)][..function.dimension];
     let (place, name, value) = (&function.place, &function.name, values[wrong]);
-    let message = format!("{place}: {name} gave {value} at {at:?}: values must be finite");
+    // where a value is at all times the same there is no time
+    let why = match t.is_nan() {
+        true => "the value is at all times the same, and t is nan",
+        false => "values must be finite",
+    };
+    let message = format!("{place}: {name} gave {value} at {at:?}: {why}");
     Err(errors::input(py, message))
 }
 
