@@ -5,8 +5,9 @@ use crate::case::document::{Node, coordinates};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::geometry::{Point, unit};
-use crate::mesh::Mesh;
+use crate::mesh::{Facet, Mesh};
 use crate::model::{Analysis, Cyclic};
+use std::collections::BTreeSet;
 
 /// The cyclic symmetry of a body.
 pub(crate) fn cyclic<const D: usize>(
@@ -30,11 +31,9 @@ pub(crate) fn cyclic<const D: usize>(
     }
     let (one, other) = (table.require("from", &what)?, table.require("to", &what)?);
     let [from, to] = [side(one, body, mesh)?, side(other, body, mesh)?];
-    let facets = |side: &str| mesh.side(side).unwrap_or_default();
-    if facets(&from)
-        .iter()
-        .any(|facet| facets(&to).contains(facet))
-    {
+    let facets = |side: &str| mesh.side(side).unwrap_or_default().iter();
+    let first: BTreeSet<&Facet> = facets(&from).collect();
+    if facets(&to).any(|facet| first.contains(facet)) {
         let message = format!("the faces `from` and `to` of body `{body}` share facets");
         return Err(Fault::new(&other.span, message)
             .label("the same facets")

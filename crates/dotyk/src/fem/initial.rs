@@ -170,22 +170,17 @@ impl Initial {
         self
     }
 
-    /// Adds the pore pressure at a point to a total stress: the effective one.
+    /// The pore pressure at a point; `None` without water.
     ///
     /// Errors: an expression that is not finite.
-    pub(crate) fn effective<const D: usize>(
+    pub(crate) fn pore_at<const D: usize>(
         &self,
-        stress: [f64; 6],
         point: Point<D>,
         time: f64,
-    ) -> Result<[f64; 6], FemError> {
-        let Some(pore) = &self.pore else {
-            return Ok(stress);
-        };
-        let pressure = finite(pore, point, time, || "pore_pressure".to_string())?;
-        Ok(std::array::from_fn(|c| {
-            stress[c] + if c < 3 { pressure } else { 0.0 }
-        }))
+    ) -> Result<Option<f64>, FemError> {
+        let pore = self.pore.as_ref();
+        pore.map(|pore| finite(pore, point, time, || "pore_pressure".to_string()))
+            .transpose()
     }
 
     /// Why an analysis does not allow this, if so.

@@ -184,17 +184,16 @@ impl Field {
     pub fn as_constant(&self) -> Option<f64> {
         self.function.is_none().then_some(self.constant)
     }
-}
 
-impl Field {
-    /// Itself where it is larger than a number, else this.
+    /// Itself, or a number where it is smaller than that; what is no number stays so.
     pub fn at_least(self, least: f64) -> Self {
+        let raised = move |value: f64| if value < least { least } else { value };
         match self.as_constant() {
-            Some(value) => Self::constant(value.max(least)),
+            Some(value) => Self::constant(raised(value)),
             None => {
                 let text = format!("max({least}, {self})");
                 let own = self.clone();
-                Self::of(&text, [&self], move |x, t| own.at(x, t).max(least))
+                Self::of(&text, [&self], move |x, t| raised(own.at(x, t)))
             }
         }
     }

@@ -85,11 +85,23 @@ impl<const D: usize> Mesh<D> {
     /// Errors: no cells; cells of another dimension; a node list that does not divide into cells; coordinates that are
     /// not finite; a node index out of range or repeated in its cell; a cell without volume or folded; a loose node.
     pub fn new(points: Vec<Point<D>>, blocks: Vec<CellBlock>) -> Result<Self, MeshError> {
+        Self::assembled(points, blocks, BTreeMap::new(), BTreeMap::new())
+    }
+
+    /// A mesh with sides, and the curves behind facets that are known.
+    ///
+    /// Errors: those of [`Self::new`].
+    fn assembled(
+        points: Vec<Point<D>>,
+        blocks: Vec<CellBlock>,
+        sides: BTreeMap<String, Vec<Facet>>,
+        curves: BTreeMap<Facet, Surface<D>>,
+    ) -> Result<Self, MeshError> {
         Self {
             points,
             blocks,
-            sides: BTreeMap::new(),
-            curves: BTreeMap::new(),
+            sides,
+            curves,
             recipe: Recipe::default(),
             found: Found::default(),
             shell: false,

@@ -113,16 +113,13 @@ pub fn beds_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for bed in &solution.beds {
-            let start = format!("{},{}", step + 1, quoted(&bed.name));
-            for (index, at) in bed.points.iter().enumerate() {
-                // Writing to a String cannot fail.
-                let _ = write!(out, "{start},{}", index + 1);
-                numbers(&mut out, &at.point);
-                numbers(&mut out, &at.normal);
-                numbers(&mut out, &[at.area, at.pressure, at.gap]);
-                numbers(&mut out, &at.shear);
-                let _ = writeln!(out, ",{}", u8::from(at.closed));
-            }
+            numbered(&mut out, (step, &bed.name), &bed.points, |out, at| {
+                numbers(out, &at.point);
+                numbers(out, &at.normal);
+                numbers(out, &[at.area, at.pressure, at.gap]);
+                numbers(out, &at.shear);
+                let _ = write!(out, ",{}", u8::from(at.closed));
+            });
         }
     }
     (out.len() > head).then_some(out)
@@ -145,15 +142,12 @@ pub fn members_csv<const D: usize>(kind: MemberWords, steps: &[Solution<D>]) -> 
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for member in solution.members.iter().filter(|own| own.kind == kind) {
-            let start = format!("{},{}", step + 1, quoted(&member.name));
-            for (index, station) in member.stations.iter().enumerate() {
-                // Writing to a String cannot fail.
-                let _ = write!(out, "{start},{}", index + 1);
-                numbers(&mut out, &[station.s]);
-                numbers(&mut out, &station.point[..D]);
-                numbers(&mut out, &[station.force]);
-                out.push('\n');
-            }
+            let stations = &member.stations;
+            numbered(&mut out, (step, &member.name), stations, |out, station| {
+                numbers(out, &[station.s]);
+                numbers(out, &station.point[..D]);
+                numbers(out, &[station.force]);
+            });
         }
     }
     (out.len() > head).then_some(out)
@@ -177,29 +171,36 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for section in &solution.sections {
-            let start = format!("{},{}", step + 1, quoted(&section.name));
-            for (index, station) in section.stations.iter().enumerate() {
-                // Writing to a String cannot fail.
-                let _ = write!(out, "{start},{}", index + 1);
+            let stations = &section.stations;
+            numbered(&mut out, (step, &section.name), stations, |out, station| {
                 let [x, y] = station.point;
-                numbers(
-                    &mut out,
-                    &[station.s, x, y, station.angle(), station.thickness],
-                );
-                numbers(&mut out, &[station.normal, station.shear, station.moment]);
-                numbers(&mut out, &station.edge_stress());
-                numbers(
-                    &mut out,
-                    station.hoop.as_ref().map_or(&[], |hoop| &hoop[..]),
-                );
+                numbers(out, &[station.s, x, y, station.angle(), station.thickness]);
+                numbers(out, &[station.normal, station.shear, station.moment]);
+                numbers(out, &station.edge_stress());
+                numbers(out, station.hoop.as_ref().map_or(&[], |hoop| &hoop[..]));
                 if limited {
-                    numbers(&mut out, &[station.utilisation.unwrap_or(f64::NAN)]);
+                    numbers(out, &[station.utilisation.unwrap_or(f64::NAN)]);
                 }
-                out.push('\n');
-            }
+            });
         }
     }
     (out.len() > head).then_some(out)
+}
+
+/// A row for each place of a part in a step, from 0, which begins with the number of the step, the name and the number of the place.
+fn numbered<T>(
+    out: &mut String,
+    (step, name): (usize, &str),
+    places: &[T],
+    write: impl Fn(&mut String, &T),
+) {
+    let start = format!("{},{}", step + 1, quoted(name));
+    for (index, place) in places.iter().enumerate() {
+        // Writing to a String cannot fail.
+        let _ = write!(out, "{start},{}", index + 1);
+        write(out, place);
+        out.push('\n');
+    }
 }
 
 /// Characters with which a cell becomes a formula.

@@ -394,7 +394,7 @@ fn stiffness(elastic: Elastic, labels: &Labels) -> String {
     format!("(E = {young}, ν = {})", number(elastic.poisson))
 }
 
-/// Name, stiffness and body force.
+/// Name, stiffness, sector, body force and water of a body.
 pub fn body_text<const D: usize>(body: &Body<D>, labels: &Labels) -> String {
     let mut text = body.name.clone();
     if let [material] = body.materials.as_slice() {
@@ -409,6 +409,12 @@ pub fn body_text<const D: usize>(body: &Body<D>, labels: &Labels) -> String {
                 format!(", body force ({})", fields.join(", "))
             }
         };
+    }
+    if let Some(cyclic) = &body.cyclic {
+        text += &format!(", one of {} sectors", cyclic.sectors);
+    }
+    if body.initial.pore.is_some() {
+        text += ", water in its pores";
     }
     text
 }

@@ -250,16 +250,7 @@ pub(super) fn around_axis(
             curves.extend(faces.over(edge).into_iter().map(|facet| (facet, surface)));
         }
     }
-    Mesh {
-        points,
-        blocks,
-        sides,
-        curves,
-        recipe: Default::default(),
-        found: Default::default(),
-        shell: false,
-    }
-    .checked()
+    Mesh::assembled(points, blocks, sides, curves)
 }
 
 /// Nodes of a plane cell by block and place.

@@ -561,16 +561,7 @@ impl Lattice {
             .iter()
             .map(|(name, pieces)| (name.to_string(), self.facets(pieces)))
             .collect();
-        Mesh {
-            points,
-            blocks: vec![block],
-            sides,
-            curves: BTreeMap::new(),
-            recipe: Default::default(),
-            found: Default::default(),
-            shell: false,
-        }
-        .checked()
+        Mesh::assembled(points, vec![block], sides, BTreeMap::new())
     }
 
     /// Points in the order of the lattice, u fastest, and the number of each lattice point; the serendipity cell

@@ -130,16 +130,7 @@ fn carry(
             }
         }
     }
-    Mesh {
-        points,
-        blocks: stack.blocks(),
-        sides,
-        curves,
-        recipe: Default::default(),
-        found: Default::default(),
-        shell: false,
-    }
-    .checked()
+    Mesh::assembled(points, stack.blocks(), sides, curves)
 }
 
 /// Whether quadrilaterals of a plane mesh have a node in their centre. Then the faces over their edges have one, and all
@@ -770,16 +761,7 @@ impl Sphere {
         if !keep {
             sides.insert("inner".to_string(), stack.ends(false));
         }
-        Mesh {
-            points,
-            blocks: vec![block],
-            sides,
-            curves: BTreeMap::new(),
-            recipe: Default::default(),
-            found: Default::default(),
-            shell: false,
-        }
-        .checked()
+        Mesh::assembled(points, vec![block], sides, BTreeMap::new())
     }
 
     fn closed_shell(&self, solid: CellKind) -> Result<Mesh<3>, MeshError> {

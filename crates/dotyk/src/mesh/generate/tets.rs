@@ -64,16 +64,12 @@ pub(super) fn tetrahedra(mesh: &Mesh<3>) -> Result<Mesh<3>, MeshError> {
         .map(|(name, facets)| (name.clone(), of(facets)));
     let curves = mesh.curves.iter();
     let curves = curves.flat_map(|(f, &surface)| pieces[f].iter().map(move |&f| (f, surface)));
-    Mesh {
-        points: mesh.points.clone(),
+    Mesh::assembled(
+        mesh.points.clone(),
         blocks,
-        sides: sides.collect(),
-        curves: curves.collect(),
-        recipe: Default::default(),
-        found: Default::default(),
-        shell: false,
-    }
-    .checked()
+        sides.collect(),
+        curves.collect(),
+    )
 }
 
 /// Ends of the edges of a tetrahedron, in the order of its middle nodes.

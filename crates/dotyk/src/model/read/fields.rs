@@ -99,14 +99,9 @@ fn pore_pressure<const D: usize>(
     borders: &Borders,
     time: f64,
 ) -> Result<Option<Vec<f64>>, FemError> {
-    let dry = [0.0; 6];
-    let of_node = |node: usize| {
-        let added = body.initial.effective(dry, body.mesh.points()[node], time);
-        added.map(|added| added[0])
-    };
-    let water = body.initial.pore.is_some();
-    let all = water.then(|| borders.nodes().map(of_node).collect());
-    all.transpose()
+    let points = body.mesh.points();
+    let of_node = |node: usize| body.initial.pore_at(points[node], time);
+    borders.nodes().map(of_node).collect()
 }
 
 fn body_solution<const D: usize>(

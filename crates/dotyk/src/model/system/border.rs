@@ -70,6 +70,9 @@ fn twins<const D: usize>(
         first != second
             && distance(turn.place(place(first)), place(second)) <= within
             && dot(turn.vector(nodes[first].normal()), nodes[second].normal()) >= ALIKE
+            // where supports hold one of them otherwise than the other they are not alike
+            && nodes[first].rows.map(|row| row.is_some())
+                == nodes[second].rows.map(|row| row.is_some())
     };
     let mut free: BTreeSet<usize> = to.into_iter().collect();
     let mut pairs = Vec::new();

@@ -12,7 +12,7 @@ use crate::contact::{
     pair_mortar,
 };
 use crate::fem::{AGREE, Body, Constraints, Cyclic, FemError, Held, Short, Turn, show};
-use crate::geometry::{add_scaled, distance, dot, norm, sub, unit};
+use crate::geometry::{Point, add_scaled, distance, dot, norm, sub, unit};
 use crate::mesh::Mesh;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
@@ -22,7 +22,6 @@ use crate::model::system::condition::{Condition, Source};
 use crate::model::system::face::Face;
 use crate::model::system::links::{axis, carrier};
 use crate::model::system::parts::Owner;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Faces are the same after the turn if their areas and centroids differ by less than this part: meshes of a curved face may differ.
@@ -43,13 +42,15 @@ pub(crate) fn repeated<const D: usize>(
     let body = &model.bodies[of];
     let fail = |source| Error::in_body(body, source);
     let turn = turn(body, cyclic, model.analysis).map_err(fail)?;
-    let turned = turned(body, (cyclic, constraints), turn).map_err(fail)?;
-    let from = placed(&turned.body.mesh, &cyclic.from);
+    let mut from = placed(&body.mesh, &cyclic.from);
+    for (_, place) in &mut from {
+        *place = turn.place(*place);
+    }
     let to = placed(&body.mesh, &cyclic.to);
     let within = SAME * largest_facet(&body.mesh, &cyclic.to);
     let interface = match coincident([&to, &from], within) {
-        Ok(pairs) => of_pairs(&pairs, constraints, &turned),
-        Err(_) => of_means(model, (body, constraints), cyclic, &turned).map_err(fail)?,
+        Ok(pairs) => of_pairs(&pairs, constraints, &turn),
+        Err(_) => of_means(model, (body, constraints), cyclic, &turn).map_err(fail)?,
     };
     check_faces(body, cyclic, constraints, &interface).map_err(fail)?;
     let side = SideRef {
@@ -59,13 +60,6 @@ pub(crate) fn repeated<const D: usize>(
     let source = Source::Of(Owner::Body(of));
     let name = format!("cyclic symmetry of {}", body.name);
     Ok(Condition::new(source, name, side, interface))
-}
-
-/// The sector beside a body: the body after the turn.
-struct Turned<const D: usize> {
-    body: Body<D>,
-    constraints: Constraints<D>,
-    turn: Turn<D>,
 }
 
 /// The turn that takes one face of a sector to the other.
@@ -104,12 +98,14 @@ pub(crate) fn turn<const D: usize>(
     Ok(turn)
 }
 
-/// A body after the turn, with its facets alone: ties do not ask for true surfaces.
+/// The sector beside a body, with its facets alone, because ties do not ask for true surfaces, and its held directions.
+///
+/// Errors: cells that rounding has folded.
 fn turned<const D: usize>(
     body: &Body<D>,
     (cyclic, constraints): (&Cyclic<D>, &Constraints<D>),
-    turn: Turn<D>,
-) -> Result<Turned<D>, FemError> {
+    turn: &Turn<D>,
+) -> Result<(Body<D>, Constraints<D>), FemError> {
     let mesh = Mesh::clone(&body.mesh).map_points(|x| turn.place(x));
     let mesh = mesh.map_err(|error| cyclic.unlike(&error.to_string()))?;
     let nodes = constraints.nodes.iter().map(|(&node, held)| {
@@ -119,16 +115,9 @@ fn turned<const D: usize>(
         });
         (node, turned.collect())
     });
-    Ok(Turned {
-        body: Body {
-            surfaces: BTreeMap::new(),
-            ..Body::of(&body.name, Arc::new(mesh))
-        },
-        constraints: Constraints {
-            nodes: nodes.collect(),
-        },
-        turn,
-    })
+    let nodes = nodes.collect();
+    let body = Body::of(&body.name, Arc::new(mesh));
+    Ok((body, Constraints { nodes }))
 }
 
 /// Errors: supports of the two faces that hold a node and the one that it comes to in ways that no turn takes to each other.
@@ -165,13 +154,14 @@ pub(crate) fn check_faces<const D: usize>(
 fn of_pairs<const D: usize>(
     pairs: &[[usize; 2]],
     constraints: &Constraints<D>,
-    turned: &Turned<D>,
+    turn: &Turn<D>,
 ) -> Interface<D> {
     let mut interface = Interface::empty(Coupling::Tied);
     let mut held_rows = Vec::new();
     for &[own, other] in pairs {
-        let held = [constraints.at(own), turned.constraints.at(other)];
-        let held = held.map(|held| held.iter().map(|held| held.axis).collect::<Vec<_>>());
+        let axes = |node: usize| constraints.at(node).iter().map(|held| held.axis);
+        let beside: Vec<Point<D>> = axes(other).map(|axis| turn.vector(axis)).collect();
+        let held = [axes(own).collect(), beside];
         let given = held.iter().max_by_key(|held| held.len());
         let given = given.map_or(&[][..], |held| held);
         let axes = match given.split_first() {
@@ -180,7 +170,7 @@ fn of_pairs<const D: usize>(
         };
         let mut rows = [None; D];
         for (row, &axis) in rows.iter_mut().zip(&axes) {
-            let back = turned.turn.back(axis);
+            let back = turn.back(axis);
             let entries = match own == other {
                 true => vec![(own, sub(axis, back))],
                 false => vec![(own, axis), (other, back.map(|c| -c))],
@@ -212,8 +202,9 @@ fn of_means<const D: usize>(
     model: &Model<D>,
     (body, constraints): (&Body<D>, &Constraints<D>),
     cyclic: &Cyclic<D>,
-    turned: &Turned<D>,
+    turn: &Turn<D>,
 ) -> Result<Interface<D>, FemError> {
+    let (beside, held) = turned(body, (cyclic, constraints), turn)?;
     let end = |body, side, constraints| End {
         body,
         side,
@@ -221,7 +212,7 @@ fn of_means<const D: usize>(
         part: None,
     };
     let to = end(body, &cyclic.to, constraints);
-    let from = end(&turned.body, &cyclic.from, &turned.constraints);
+    let from = end(&beside, &cyclic.from, &held);
     let paired = pair_mortar(
         to,
         Against::Side(from),
@@ -245,7 +236,7 @@ fn of_means<const D: usize>(
     interface.close();
     for (own, beyond) in interface.nonmortar.iter_mut().zip(&mut interface.mortar) {
         for (node, c) in std::mem::take(beyond) {
-            let back = turned.turn.back(c);
+            let back = turn.back(c);
             match own.iter_mut().find(|entry| entry.0 == node) {
                 Some((_, sum)) => *sum = add_scaled(*sum, 1.0, back),
                 None => own.push((node, back)),
