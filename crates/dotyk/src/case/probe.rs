@@ -97,10 +97,14 @@ fn refuse_beside_stations<const D: usize>(
     let mut others = ["along", "mean_of_neighbours"].into_iter();
     match others.find_map(|key| table.entry(key)) {
         Some(entry) if quantity.is_of_stations() => {
-            let message = format!("`{quantity}` is known at stations, and not `{}`", entry.key);
+            let places = match quantity.is_of_bed() {
+                true => "points of integration",
+                false => "stations",
+            };
+            let message = format!("`{quantity}` is known at {places}, and not `{}`", entry.key);
             Err(Fault::new(&entry.key_span, message)
-                .label("not of stations")
-                .help("give `at`, a point whose nearest station is read, or `reduce`"))
+                .label("not there")
+                .help("give `at`, a point of which the nearest one is read, or `reduce`"))
         }
         _ => Ok(()),
     }
@@ -129,9 +133,15 @@ fn fault(node: &Node, error: &QuantityError) -> Fault {
         Mistake::NoStrength => fault.label("nothing to compare the stress with"),
         Mistake::NotPlastic => fault.label("nothing yields"),
         Mistake::NoWater => fault.label("no water"),
-        Mistake::NoBed => fault.label("no springs there"),
+        Mistake::NoBed if error.known.is_empty() => fault.label("no springs there"),
+        Mistake::NoBed => fault
+            .label("no springs there")
+            .help(format!("the body has beds at {}", listed(known))),
     }
 }
+
+/// How values of all places become one, as a help.
+const REDUCE: &str = "`reduce = \"max\"`, \"min\", \"mean\" or \"integral\"";
 
 /// Most points of a line: each is located in the cells, and gives a row for each step.
 const MOST_POINTS: usize = 1_000_000;
@@ -202,16 +212,21 @@ fn reading<const D: usize>(
     refuse_rotation(table, quantity, bodies)?;
     match (at, reduced, table.entry("mean_of_neighbours")) {
         // without a place the force of a member is the largest
-        (None, None, _) if quantity.is_field() && !quantity.is_of_member() && along.is_none() => Err(Fault::new(
-            table.span,
-            format!("probe `{name}` must say where: `at`, `along` or `reduce` is missing"),
-        )
-        .label("`at`, `along` or `reduce` is missing")
-        .help(format!(
-            "add `at = {}`, or `along = {}`, or `along = \"BODY.SIDE\"`, or `reduce = \"max\"`, \"min\", \"mean\" or \"integral\"",
-            coordinates::<D>(),
-            written_line::<D>()
-        ))),
+        (None, None, _) if quantity.is_field() && !quantity.is_of_member() && along.is_none() => {
+            Err(Fault::new(
+                table.span,
+                format!("probe `{name}` must say where: `at`, `along` or `reduce` is missing"),
+            )
+            .label("`at`, `along` or `reduce` is missing")
+            .help(match quantity.is_of_stations() {
+                true => format!("add `at = {}` or {}", coordinates::<D>(), REDUCE),
+                false => format!(
+                    "add `at = {}`, or `along = {}`, or `along = \"BODY.SIDE\"`, or {REDUCE}",
+                    coordinates::<D>(),
+                    written_line::<D>()
+                ),
+            }))
+        }
         (None, _, Some(entry)) if mean => {
             let message = format!("`mean_of_neighbours` of probe `{name}` needs `at`");
             Err(Fault::new(&entry.key_span, message).label("neighbours of what?"))

@@ -122,6 +122,30 @@ pub enum ContactError {
         /// A length.
         reach: f64,
     },
+    /// A contact reaches a face of a sector where the other body has none.
+    #[error(
+        "{} ends at {point} on a face of the sector {}, the contact goes on beyond it, and {} has no face there: {} must end at the faces of this sector; {advice}",
+        .sides[0], .bodies[0], .sides[1], .bodies[1]
+    )]
+    Sectors {
+        /// The side that ends, and the other one.
+        sides: [String; 2],
+        /// Their bodies.
+        bodies: [String; 2],
+        /// Where it ends.
+        point: String,
+        /// What to do.
+        advice: &'static str,
+    },
+    /// Two sectors are not parts of one whole.
+    #[error(
+        "{} and {} are sectors of different wholes: bodies that touch need the same axis and number of sectors in `cyclic`",
+        .bodies[0], .bodies[1]
+    )]
+    Wholes {
+        /// The bodies.
+        bodies: [String; 2],
+    },
     /// Another body stands between two sides.
     #[error(
         "between {} and {} another body stands wherever they face each other, {by}: a contact does not act through a body; name what each of them touches, or give the body between `active`",

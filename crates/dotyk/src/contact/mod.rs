@@ -29,6 +29,7 @@ mod polygons;
 mod relative;
 mod sampling;
 mod search;
+mod sectors;
 mod share;
 mod sheets;
 mod tool;
@@ -47,6 +48,7 @@ pub use node_to_node::{pair_nodes, pair_obstacle};
 pub use obstacle::{Driven, Rigid};
 pub use relative::frame;
 pub use sampling::{Sample, samples};
+pub(crate) use sectors::check_sectors;
 pub use tool::Tool;
 pub use weights::nodal_weights;
 

@@ -3,14 +3,14 @@
 //! Where the side has a true surface, its normal. Else unit normals at the nodes, interpolated on each facet: at an end
 //! the mean of the facets that meet there, unless they meet at a sharp corner. At the end of a side on a plane of
 //! symmetry, in space along its rim there, the polygon's last normal is tilted by half the angle of a facet; it is turned back
-//! into that plane, but never by more than the side itself turns there.
+//! into that plane, but never by more than the side itself turns there. On the faces of a sector the facets beyond count, too.
 //!
 //! Source: the bisector rule and the axis direction on the axis, Janovský & Procházka (1980) III, section 7.
 
 use crate::contact::curved::true_surface;
 use crate::contact::relative::free_part;
 use crate::contact::{ContactError, End};
-use crate::fem::TrueSurface;
+use crate::fem::{TrueSurface, Twins};
 use crate::geometry::{Point, add_scaled, dot, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh, SHARP};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -45,9 +45,10 @@ impl<'a, const D: usize> Normals<'a, D> {
         }
         let own = at_nodes.clone();
         let rim = rim(mesh, facets);
+        let whole = with_those_of_twins(end, &around);
         for (&facet, normals) in &mut at_nodes {
             for (normal, node) in normals.iter_mut().zip(mesh.facet_nodes(facet)) {
-                let meeting = &around[&(node as usize)];
+                let meeting = &whole[&(node as usize)];
                 if meeting.len() > 1 {
                     *normal = mean(*normal, meeting);
                 }
@@ -93,6 +94,27 @@ impl<'a, const D: usize> Normals<'a, D> {
             .filter_map(|(node, sum)| Some((node, unit(sum)?)))
             .collect()
     }
+}
+
+/// The facets around each node, and on the faces of a sector those around its twin, with their normals turned.
+fn with_those_of_twins<const D: usize>(
+    end: End<'_, D>,
+    around: &BTreeMap<usize, Vec<(Facet, Point<D>)>>,
+) -> BTreeMap<usize, Vec<(Facet, Point<D>)>> {
+    let mut whole = around.clone();
+    let Some(Twins { turn, pairs }) = end.body.twins() else {
+        return whole;
+    };
+    for [node, twin] in pairs {
+        let (Some(own), Some(other)) = (around.get(&node), around.get(&twin)) else {
+            continue;
+        };
+        let back = other.iter().map(|&(facet, n)| (facet, turn.back(n)));
+        whole.entry(node).or_default().extend(back);
+        let forth = own.iter().map(|&(facet, n)| (facet, turn.vector(n)));
+        whole.entry(twin).or_default().extend(forth);
+    }
+    whole
 }
 
 /// Nodes on the edges at which some facets of space end; empty in the plane.

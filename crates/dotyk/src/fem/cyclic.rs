@@ -7,8 +7,11 @@
 //! Loads and supports are those of one sector; all sectors bear the same. The turn about the axis stays free, and in space the shift along
 //! it: what holds them is up to supports and contacts.
 
+use crate::fem::coincident::{SAME, largest_facet, partners, placed};
 use crate::fem::error::{FemError, show};
+use crate::fem::nouns::Body;
 use crate::geometry::{Point, add_scaled, cross, dot, padded, sub, unit};
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
 /// The cyclic symmetry of a body.
@@ -61,6 +64,60 @@ impl<const D: usize> Cyclic<D> {
             axis: unit(self.axis)?,
             angle: [sin, cos],
         })
+    }
+}
+
+/// Nodes of the two faces of a sector that are one place of the whole.
+pub(crate) struct Twins<const D: usize> {
+    /// Takes a node of the first face to its twin.
+    pub turn: Turn<D>,
+    /// One of each face; nodes on the axis have no twin.
+    pub pairs: Vec<[usize; 2]>,
+}
+
+impl<const D: usize> Body<D> {
+    /// Its twins; `None` if it is no sector.
+    pub(crate) fn twins(&self) -> Option<Twins<D>> {
+        let cyclic = self.cyclic.as_ref()?;
+        let within = SAME * largest_facet(&self.mesh, &cyclic.to);
+        let [from, to] = [&cyclic.from, &cyclic.to].map(|side| placed(&self.mesh, side));
+        let of_sense = |right_handed: bool| {
+            let turn = cyclic.turn(right_handed)?;
+            let turned = from.iter().map(|&(node, x)| (node, turn.place(x)));
+            let turned: Vec<_> = turned.collect();
+            let found = partners([&turned, &to], within).into_iter().zip(&from);
+            let pairs = found.filter_map(|(twin, &(node, _))| Some([node, twin?]));
+            let pairs = pairs.filter(|[node, twin]| node != twin).collect();
+            Some(Twins { turn, pairs })
+        };
+        let (one, other) = (of_sense(true)?, of_sense(false)?);
+        Some(match other.pairs.len() > one.pairs.len() {
+            true => other,
+            false => one,
+        })
+    }
+
+    /// Some nodes, and their twins.
+    pub(crate) fn with_twins(&self, mut nodes: BTreeSet<usize>) -> BTreeSet<usize> {
+        for pair in self.twins().into_iter().flat_map(|twins| twins.pairs) {
+            if pair.iter().any(|node| nodes.contains(node)) {
+                nodes.extend(pair);
+            }
+        }
+        nodes
+    }
+}
+
+impl<const D: usize> Twins<D> {
+    /// Gives twins the sum of the vectors of both.
+    pub fn add_up(&self, vectors: &mut BTreeMap<usize, Point<D>>) {
+        for [node, twin] in &self.pairs {
+            if let (Some(&own), Some(&other)) = (vectors.get(node), vectors.get(twin)) {
+                let sum = add_scaled(own, 1.0, self.turn.back(other));
+                vectors.insert(*node, sum);
+                vectors.insert(*twin, self.turn.vector(sum));
+            }
+        }
     }
 }
 

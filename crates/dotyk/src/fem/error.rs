@@ -63,6 +63,16 @@ pub enum FemError {
         /// Where.
         point: String,
     },
+    /// A bed whose stiffness is 0 at all its points.
+    #[error(
+        "the bed of side \"{side}\" has no stiffness: {texts} is 0 at all its points of integration; leave the spring out, or use facets that are smaller than the part that has one"
+    )]
+    NoStiffness {
+        /// Its side.
+        side: String,
+        /// The expressions.
+        texts: String,
+    },
     /// A force on a side without area.
     #[error(
         "side \"{side}\" has no area, it lies on the axis of symmetry: a force cannot be spread over it"

@@ -250,6 +250,8 @@ impl Initial {
         point: Point<D>,
         time: f64,
     ) -> Result<[f64; 6], FemError> {
+        // told by its own name, although it is part of the stress
+        self.pore_at(point, time)?;
         match &self.stress {
             Some(stress) => stress.finite_at("initial_stress", point, time),
             None => Ok([0.0; 6]),

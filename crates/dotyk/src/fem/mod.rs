@@ -12,6 +12,7 @@ mod assemble;
 mod block;
 mod borders;
 mod cells;
+mod coincident;
 mod couple;
 mod cut;
 mod cyclic;
@@ -57,8 +58,9 @@ pub use stress::{principal, recover_spin, recover_strain, recover_stress, von_mi
 pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use cells::measure;
+pub(crate) use coincident::{SAME, coincident, largest_facet, placed, spans};
 pub(crate) use cut::{Ahead, Push};
-pub(crate) use cyclic::Turn;
+pub(crate) use cyclic::{Turn, Twins};
 pub(crate) use enhanced::has_modes;
 pub(crate) use error::{Short, show};
 pub(crate) use initial::{OutOfBalance, out_of_balance, tilted};

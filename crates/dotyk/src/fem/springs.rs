@@ -167,7 +167,26 @@ impl<const D: usize> Spring<D> {
         }
         match positive {
             true => Ok(sampled),
-            false => Err(FemError::Spring { value: 0.0 }),
+            false => Err(self.nowhere(is_zero(tangential))),
+        }
+    }
+
+    /// The error that a bed has no stiffness at its points, along the normal or at all.
+    pub(crate) fn nowhere(&self, along_normal: bool) -> FemError {
+        match &self.bed {
+            Bed::Point { .. } => FemError::Spring { value: 0.0 },
+            Bed::Side {
+                side,
+                normal,
+                tangential,
+                ..
+            } => FemError::NoStiffness {
+                side: side.clone(),
+                texts: match along_normal {
+                    true => normal.to_string(),
+                    false => format!("each of {normal} and {tangential}"),
+                },
+            },
         }
     }
 
@@ -229,7 +248,10 @@ fn shares<const D: usize>(
         Bed::Side {
             side, tangential, ..
         } => {
-            let points: Vec<SidePoint<D>> = side_points(body, side, analysis)?.collect();
+            let points = match varies(body, side) {
+                true => bed_points(body, side, analysis)?,
+                false => side_points(body, side, analysis)?.collect(),
+            };
             let points = spring.sampled(points)?.into_iter();
             let presses = spring.only_presses();
             if presses && is_zero(tangential) {
@@ -347,7 +369,34 @@ impl<const D: usize> Pad<D> {
     }
 }
 
-/// The points of a bed: the fewest that, if at each there is a spring that presses, give the stiffness ∫ NᵀCN dS of straight facets.
+/// Whether the stiffness of a spring of a side varies along it.
+fn varies<const D: usize>(body: &Body<D>, of: &str) -> bool {
+    body.springs.iter().any(|spring| match &spring.bed {
+        Bed::Side {
+            side,
+            normal,
+            tangential,
+            ..
+        } => side == of && [normal, tangential].map(Field::as_constant).contains(&None),
+        Bed::Point { .. } => false,
+    })
+}
+
+/// The points at which the beds of a side are read: the fewest that, if at each there is a spring that presses, give the stiffness
+/// ∫ NᵀCN dS of straight facets, for a C that varies a polynomial of degree 2. The stiffness of a bed that varies is taken there,
+/// too, so that what it bears is what it is told to bear.
+fn bed_points<const D: usize>(
+    body: &Body<D>,
+    side: &str,
+    analysis: Analysis,
+) -> Result<Vec<SidePoint<D>>, FemError> {
+    // with axial symmetry the radius is one more factor
+    let more = usize::from(analysis == Analysis::Axisymmetric);
+    let more = more + if varies(body, side) { 2 } else { 0 };
+    Ok(points_of_degree(body, side, analysis, |kind| 2 * kind.order() + more)?.collect())
+}
+
+/// The points of a bed.
 ///
 /// Errors: an unknown or empty side; a stiffness that is negative or no number.
 pub(crate) fn pads<const D: usize>(
@@ -359,9 +408,6 @@ pub(crate) fn pads<const D: usize>(
         return Ok(Vec::new());
     };
     let normals = SideNormals::new(body, side)?;
-    // with axial symmetry the radius is one more factor
-    let more = usize::from(analysis == Analysis::Axisymmetric);
-    let points = points_of_degree(body, side, analysis, |kind| 2 * kind.order() + more)?;
     let pad = |(place, stiffness): (SidePoint<D>, [f64; 2])| {
         let nodes = body.mesh.facet_nodes(place.facet).zip(place.shape);
         Pad {
@@ -373,8 +419,8 @@ pub(crate) fn pads<const D: usize>(
             stiffness,
         }
     };
-    let points = spring.sampled(points.collect())?.into_iter();
-    Ok(points.map(pad).collect())
+    let points = spring.sampled(bed_points(body, side, analysis)?)?;
+    Ok(points.into_iter().map(pad).collect())
 }
 
 /// A held direction at a place: nodes with their shape functions there, and the unit vector.

@@ -81,7 +81,10 @@ impl<const D: usize> Constraints<D> {
             let (nodes, normals) = match &support.place {
                 Place::Side(side) => {
                     let facets = side_facets(&body.mesh, side)?;
-                    let normals = node_normals(&body.mesh, facets);
+                    let mut sums = normal_sums(&body.mesh, facets);
+                    let twins = support.normal.as_ref().and_then(|_| body.twins());
+                    twins.inspect(|twins| twins.add_up(&mut sums));
+                    let normals = units(sums);
                     (normals.keys().copied().collect::<Vec<_>>(), normals)
                 }
                 Place::Point(point) => (
@@ -263,6 +266,18 @@ pub(crate) fn side_nodes<const D: usize>(
 ///
 /// Source: the bisector rule of Janovský & Procházka (1980) III, section 7.
 pub fn node_normals<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMap<usize, Point<D>> {
+    units(normal_sums(mesh, facets))
+}
+
+fn units<const D: usize>(sums: BTreeMap<usize, Point<D>>) -> BTreeMap<usize, Point<D>> {
+    let units = sums.into_iter();
+    units
+        .filter_map(|(node, sum)| Some((node, unit(sum)?)))
+        .collect()
+}
+
+/// Sums of the unit normals of the facets that meet at each node.
+fn normal_sums<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMap<usize, Point<D>> {
     let mut sums: BTreeMap<usize, Point<D>> = BTreeMap::new();
     for &facet in facets {
         let kind = mesh.facet_kind(facet);
@@ -273,9 +288,7 @@ pub fn node_normals<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMa
             }
         }
     }
-    sums.into_iter()
-        .filter_map(|(node, sum)| Some((node, unit(sum)?)))
-        .collect()
+    sums
 }
 
 /// The node nearest to a point; an error when it is farther than half the longest edge that meets there.

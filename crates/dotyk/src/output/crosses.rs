@@ -2,7 +2,7 @@
 //!
 //! σ₁,₂ = (σx + σy)/2 ± √((σx − σy)²/4 + τ²), the first at ½ atan2(2τ, σx − σy) from +x; tension is positive.
 
-use crate::geometry::Point;
+use crate::geometry::{Point, distance};
 use crate::model::Solution;
 use crate::output::html::fitted;
 use crate::output::markup::Markup;
@@ -17,12 +17,15 @@ use std::collections::BTreeMap;
 const SPACING: f64 = 21.0;
 const ARM: f64 = 10.0;
 
+/// Bodies smaller than this many crosses have none.
+const ROOM: f64 = 3.0;
+
 /// Shorter arms than this are not seen.
 const LEAST: f64 = 0.7;
 
 /// The figure; empty without a stress.
 pub fn crosses_figure(scene: &Scene, solution: &Solution<2>) -> Markup {
-    let ranges = stress_ranges([solution]);
+    let ranges = stress_ranges(scene.model, [solution]);
     if !ranges.iter().any(|range| range.high > 0.0) {
         return Markup::default();
     }
@@ -54,6 +57,11 @@ fn drawing(scene: &Scene, solution: &Solution<2>, ranges: &[Range], width: f64) 
             let outline = outline_path(&scene.outlines[i], &|n| view.pixel(points[n]));
             svg.path(&outline, "#9aa5b0", 0.8, "#f4f6f8", "fill-rule=\"evenodd\"");
             let high = end_for(ranges, &body.name);
+            // a few crosses on a small body would be any of its nodes
+            let (low, far) = scene.extents[i];
+            if distance(low, far) * view.scale < ROOM * SPACING {
+                continue;
+            }
             for node in spread_out(points, view) {
                 let stress = solution.bodies[i].stress[node];
                 let at = view.pixel(points[node]);

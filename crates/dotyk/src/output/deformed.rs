@@ -2,7 +2,7 @@
 //!
 //! The colours are a small picture of 256 colours under vector lines, so that its size does not grow with the mesh.
 
-use crate::geometry::{Point, distance, norm, sub};
+use crate::geometry::{Point, add_scaled, bounding_box, distance, norm, sub};
 use crate::mesh::{CellKind, MAX_CELL_NODES, Mesh};
 use crate::model::{BodySolution, Borders, Model, Solution};
 use crate::output::colour;
@@ -29,12 +29,9 @@ const CLOSE: f64 = 0.04;
 /// The deformed shape of a solution, and a window to its largest stress where that is a small place.
 pub fn deformed_figures(scene: &Scene, solution: &Solution<2>) -> Markup {
     let labels = Labels::of(scene.model);
-    let ranges = stress_ranges([solution]);
-    let (views, _) = windows(scene, WIDTH);
-    let factors = views
-        .iter()
-        .map(|view| magnification(scene, solution, view));
-    let mut list: Vec<String> = factors.map(number).collect();
+    let ranges = stress_ranges(scene.model, [solution]);
+    let (windows, _) = windows(scene, solution, WIDTH);
+    let mut list: Vec<String> = windows.iter().map(|(_, factor)| number(*factor)).collect();
     list.dedup();
     let magnified = match list.as_slice() {
         [one] if one == "1" => "Displacements are drawn true to scale.".to_string(),
@@ -51,6 +48,7 @@ pub fn deformed_figures(scene: &Scene, solution: &Solution<2>) -> Markup {
     );
     let draw = |width| deformed_figure(scene, solution, &ranges, width);
     let shape = fitted(&draw, "Deformed shape", &caption);
+    let views: Vec<View> = windows.into_iter().map(|(view, _)| view).collect();
     let Some((body, centre, reach)) = close_up(scene, solution, &views) else {
         return shape;
     };
@@ -63,22 +61,41 @@ pub fn deformed_figures(scene: &Scene, solution: &Solution<2>) -> Markup {
     shape + fitted(&draw, "The largest stress", &caption)
 }
 
-/// Windows of the figure, beside its colour bars.
-fn windows(scene: &Scene, width: f64) -> (Vec<View>, f64) {
-    scene.views(width - BAR, Margin::all(26.0), STRIP)
+/// Windows of the figure, beside its colour bars, each with its magnification; the whole has room for what moves.
+fn windows(scene: &Scene, solution: &Solution<2>, width: f64) -> (Vec<(View, f64)>, f64) {
+    let margin = Margin::all(16.0);
+    let (still, _) = scene.views(width - BAR, margin, STRIP);
+    let whole = magnification(scene, solution, &still[0]);
+    let bounds = moved_bounds(scene, solution, whole);
+    let (views, height) = scene.views_of(bounds, width - BAR, margin, STRIP);
+    let with_factor = views.into_iter().map(|view| match view.detail {
+        true => (view.clone(), magnification(scene, solution, &view)),
+        false => (view, whole),
+    });
+    (with_factor.collect(), height)
+}
+
+/// Box around everything, where it was and where it is drawn.
+fn moved_bounds(scene: &Scene, solution: &Solution<2>, factor: f64) -> Box2 {
+    let mut places = vec![scene.bounds.0, scene.bounds.1];
+    for (body, answer) in scene.model.bodies.iter().zip(&solution.bodies) {
+        let moved = body.mesh.points().iter().zip(answer.shown().into_owned());
+        places.extend(moved.map(|(&x, u)| add_scaled(x, factor, u)));
+    }
+    places.retain(|x| x.iter().all(|c| c.is_finite()));
+    bounding_box(&places)
 }
 
 fn deformed_figure(scene: &Scene, solution: &Solution<2>, ranges: &[Range], width: f64) -> Markup {
     let labels = Labels::of(scene.model);
-    let (views, height) = windows(scene, width);
+    let (windows, height) = windows(scene, solution, width);
     let height = height.max(least_height(ranges) + 40.0);
     let title = "Deformed shape coloured by von Mises stress";
     let mut svg = Svg::new("deformed", title, width, height);
-    for view in &views {
-        let factor = magnification(scene, solution, view);
-        draw_view(&mut svg, scene, solution, view, factor, ranges);
+    for (view, factor) in &windows {
+        draw_view(&mut svg, scene, solution, view, *factor, ranges);
         scale_bar(&mut svg, view, &labels);
-        let text = format!("displacements × {}", number(factor));
+        let text = format!("displacements × {}", number(*factor));
         let at = [
             view.corner[0] + view.size[0] - 6.0,
             view.corner[1] + view.size[1] + 23.0,
@@ -89,7 +106,7 @@ fn deformed_figure(scene: &Scene, solution: &Solution<2>, ranges: &[Range], widt
             svg.text(at, &text, style);
         }
     }
-    if let [whole, detail] = views.as_slice() {
+    if let [(whole, _), (detail, _)] = windows.as_slice() {
         mark_detail(&mut svg, whole, detail);
     }
     let size = [width, height - 40.0];
@@ -97,24 +114,19 @@ fn deformed_figure(scene: &Scene, solution: &Solution<2>, ranges: &[Range], widt
     svg.finish()
 }
 
-/// Drawings of solutions, each of a stage of the whole model, in one window, equally magnified and with the same colours; and their
-/// magnification.
+/// Drawings of solutions, each of a stage of the whole model, in one window, that of the contacts where these are small, equally
+/// magnified and with the same colours; and words on magnification and place.
 pub fn deformed_course(
     whole: &Model<2>,
     steps: &[(&Model<2>, &Solution<2>)],
-) -> (Vec<Markup>, f64) {
+) -> (Vec<Markup>, String) {
     let labels = Labels::of(whole);
-    let bounds = Scene::new(whole).bounds;
-    let ranges = stress_ranges(steps.iter().map(|(_, solution)| *solution));
-    let margin = Margin::all(14.0);
-    let size = sub(bounds.1, bounds.0);
-    let own = PHONE - BAR;
-    let tall = (own - 28.0) * size[1] / size[0].max(f64::MIN_POSITIVE) + 28.0;
-    let tall = tall.clamp(least_height(&ranges), 320.0);
-    let view = View::fitted(bounds, [0.0, 0.0], [own, tall], margin);
+    let all = Scene::new(whole);
+    let ranges = stress_ranges(whole, steps.iter().map(|(_, solution)| *solution));
     let scenes: Vec<Scene> = steps.iter().map(|(stage, _)| Scene::new(stage)).collect();
     let each = || scenes.iter().zip(steps);
-    let factors = each().map(|(scene, (_, solution))| magnification(scene, solution, &view));
+    let still = course_view(all.detail.unwrap_or(all.bounds), &ranges);
+    let factors = each().map(|(scene, (_, solution))| magnification(scene, solution, &still));
     // where nothing moves any factor would do
     let moving = factors.zip(steps).filter(|(_, (_, solution))| {
         let moved = solution.bodies.iter().map(BodySolution::max_displacement);
@@ -124,6 +136,14 @@ pub fn deformed_course(
         .map(|(factor, _)| factor)
         .fold(f64::INFINITY, f64::min);
     let factor = if factor.is_finite() { factor } else { 1.0 };
+    // around the contacts, where these are small
+    let bounds = all.detail.unwrap_or_else(|| {
+        let boxes = each().map(|(scene, (_, solution))| moved_bounds(scene, solution, factor));
+        let corners: Vec<Point<2>> = boxes.flat_map(|(low, high)| [low, high]).collect();
+        bounding_box(&corners)
+    });
+    let view = course_view(bounds, &ranges);
+    let tall = view.size[1];
     let draw = |(k, (scene, (_, solution))): (usize, (&Scene, &(&Model<2>, &Solution<2>)))| {
         let title = format!("Deformed shape of picture {}", k + 1);
         let mut svg = Svg::new(&format!("course{k}"), &title, PHONE, tall + STRIP);
@@ -132,7 +152,22 @@ pub fn deformed_course(
         colour_bars(&mut svg, solution, &ranges, &labels, [PHONE, tall]);
         svg.finish()
     };
-    (each().enumerate().map(draw).collect(), factor)
+    let place = if all.detail.is_some() {
+        ", around the contacts,"
+    } else {
+        ""
+    };
+    let words = format!("{} times{place}", number(factor));
+    (each().enumerate().map(draw).collect(), words)
+}
+
+/// The window of a picture of a course, beside its colour bars.
+fn course_view(bounds: Box2, ranges: &[Range]) -> View {
+    let size = sub(bounds.1, bounds.0);
+    let own = PHONE - BAR;
+    let tall = (own - 28.0) * size[1] / size[0].max(f64::MIN_POSITIVE) + 28.0;
+    let tall = tall.clamp(least_height(ranges), 320.0);
+    View::fitted(bounds, [0.0, 0.0], [own, tall], Margin::all(14.0))
 }
 
 /// Body and place of the largest stress, and the size of its surroundings that are worth a window of their own: beyond them it is
@@ -439,8 +474,8 @@ mod tests {
     fn largest_displacement_is_drawn_as_about_five_per_cent() {
         let (model, solution) = tunnel::solved();
         let scene = Scene::new(&model);
-        let (views, _) = windows(&scene, WIDTH);
-        let factor = magnification(&scene, &solution, &views[0]);
+        let (windows, _) = windows(&scene, &solution, WIDTH);
+        let factor = windows[0].1;
         let most = largest(solution.bodies.iter().map(BodySolution::max_displacement));
         let part = factor * most / 40.0;
         assert!(part <= SHOWN && part > 0.4 * SHOWN, "{part}");
@@ -450,7 +485,8 @@ mod tests {
     fn a_small_place_of_the_largest_stress_gets_a_window_and_a_wide_one_does_not() {
         let (model, mut solution) = tunnel::solved();
         let scene = Scene::new(&model);
-        let (views, _) = windows(&scene, WIDTH);
+        let (windows, _) = windows(&scene, &solution, WIDTH);
+        let views: Vec<View> = windows.into_iter().map(|(view, _)| view).collect();
         assert!(close_up(&scene, &solution, &views).is_none());
         // at the hole, where cells are small
         let at = model.bodies[1].mesh.points()[0];
@@ -466,7 +502,7 @@ mod tests {
             .map(|&p| distance(p, at))
             .fold(f64::INFINITY, f64::min);
         assert_eq!(reach, 4.0 * next);
-        let ranges = stress_ranges([&solution]);
+        let ranges = stress_ranges(&model, [&solution]);
         let figure = close_figure(&scene, &solution, &ranges, (centre, reach), WIDTH);
         assert!(figure.contains("largest von Mises stress"));
     }

@@ -154,7 +154,7 @@ pub fn course<const D: usize>(run: &Overview<'_, D>) -> Markup {
         .iter()
         .map(|&step| (run.stages[step].as_ref(), steps[step]));
     let pairs: Vec<(&Model<D>, &Solution<D>)> = pairs.collect();
-    let (drawings, factor) = match (of_dimension(&pairs), of_dimension(&pairs)) {
+    let (drawings, magnified) = match (of_dimension(&pairs), of_dimension(&pairs)) {
         (Some(plane), _) => known(run.model).map(|whole| deformed_course(whole, &plane)),
         (_, Some(space)) => known(run.model).map(|whole| space::deformed_course(whole, &space)),
         _ => None,
@@ -178,8 +178,7 @@ pub fn course<const D: usize>(run: &Overview<'_, D>) -> Markup {
         false => String::new(),
     };
     let caption = format!(
-        "Displacements are magnified {} times in all pictures, and the colours of the von Mises stress are the same.{some}",
-        number(factor)
+        "Displacements are magnified {magnified} in all pictures, and the colours of the von Mises stress are the same.{some}"
     );
     let title = "Deformed shape over the load steps";
     film::film(

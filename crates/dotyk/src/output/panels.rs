@@ -3,8 +3,8 @@
 use crate::output::markup::Markup;
 use crate::output::plot::{Axis, Frame, Stroke, keys};
 use crate::output::scene::PHONE;
-use crate::output::svg::{Anchor, Svg, Type};
-use crate::output::text::number;
+use crate::output::svg::{Anchor, Svg, Type, text_width};
+use crate::output::text::{number, with_unit};
 
 /// Curves of more points than this are drawn without dots.
 const MOST_DOTS: usize = 60;
@@ -37,7 +37,13 @@ pub struct Abscissae<'a> {
 /// Height of one plot, with title, numbers and label.
 const HEIGHT: f64 = 190.0;
 
-/// More plots than this stand three in a row.
+/// Room for the numbers at the left of a plot.
+const LEFT: f64 = 52.0;
+
+/// Its title.
+const TITLE: Type = Type::LABEL;
+
+/// More plots than this stand three in a row, if their titles fit.
 const MANY: usize = 6;
 
 /// The plots as an SVG element: two or three in a row, on a phone one. The names of several curves stand once, above all.
@@ -48,8 +54,12 @@ pub fn panels_figure(
     x: &Abscissae<'_>,
     width: f64,
 ) -> Markup {
+    let title_fits = |panel: &Panel| {
+        let label = with_unit(&panel.title, &panel.unit);
+        text_width(&label, TITLE.size) < width / 3.0 - LEFT
+    };
     let columns = match width > PHONE {
-        true if panels.len() > MANY => 3,
+        true if panels.len() > MANY && panels.iter().all(title_fits) => 3,
         true => 2,
         false => 1,
     };
@@ -62,7 +72,7 @@ pub fn panels_figure(
             .iter()
             .map(|curve| curve.name.as_str())
             .collect();
-        keys(&mut svg, [52.0, width], &names)
+        keys(&mut svg, [LEFT, width], &names)
     });
     svg.set_height(top + panels.len().div_ceil(columns) as f64 * HEIGHT);
     for (i, panel) in panels.iter().enumerate() {
@@ -71,6 +81,19 @@ pub fn panels_figure(
         draw_panel(&mut svg, panel, x, corner, size);
     }
     svg.finish()
+}
+
+/// A title as far as there is room for it.
+fn shortened(mut title: String, room: f64) -> String {
+    // bold letters are wider
+    let fits = |title: &str| 1.08 * text_width(title, TITLE.size) <= room;
+    if fits(&title) {
+        return title;
+    }
+    while !title.is_empty() && !fits(&format!("{title}…")) {
+        title.pop();
+    }
+    title + "…"
 }
 
 fn draw_panel(
@@ -82,16 +105,16 @@ fn draw_panel(
 ) {
     let values: Vec<f64> = panel.curves.iter().flat_map(|c| c.values.clone()).collect();
     let mut y = Axis::linear(&panel.title, &panel.unit, &values, panel.zero, 4).widened(0.08);
-    let title = std::mem::take(&mut y.label);
+    let title = shortened(std::mem::take(&mut y.label), width - LEFT);
     let frame = Frame {
-        corner: [corner[0] + 52.0, corner[1] + 22.0],
+        corner: [corner[0] + LEFT, corner[1] + 22.0],
         size: [width - 70.0, height - 70.0],
         x: x.axis.clone(),
         y,
     };
     frame.draw(svg, true);
     let start = [frame.corner[0], frame.corner[1] - 8.0];
-    svg.text(start, &title, Type::LABEL.anchored(Anchor::Start).bold());
+    svg.text(start, &title, TITLE.anchored(Anchor::Start).bold());
     for (k, curve) in panel.curves.iter().enumerate() {
         let stroke = Stroke::of(k, panel.curves.len());
         let each = x.values.iter().zip(&curve.values);

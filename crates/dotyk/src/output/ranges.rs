@@ -1,15 +1,18 @@
 //! Colour ranges of the von Mises stress: which bodies share one, where it ends, and its bar.
 //!
 //! A soft seal between steel parts would be of one colour with them: bodies whose largest stresses differ by much have ranges of their
-//! own, as far as their bars fit beside a picture.
+//! own, as far as their bars fit beside a picture. Bodies of one material, and those that are tied, have one range, so that colours do
+//! not jump where stresses do not.
 
-use crate::model::{BodySolution, Solution};
+use crate::fem::Body;
+use crate::model::{BodySolution, Dimension, Law, Model, Solution};
 use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::json::largest;
 use crate::output::plot::Axis;
 use crate::output::svg::{Anchor, INK, MUTED, Pixel, Svg, Type, segments, text_width};
-use crate::output::text::{Labels, count, quantity, vector};
+use crate::output::text::{Labels, Scales, count, quantity, vector};
+use std::collections::BTreeMap;
 
 /// Bodies whose largest stresses differ by more than this factor have their own ranges.
 const APART: f64 = 4.0;
@@ -17,8 +20,6 @@ const APART: f64 = 4.0;
 const MOST: usize = 4;
 /// A range ends below the largest stress if it then is shorter than this part of it.
 pub const CLEARLY: f64 = 0.8;
-/// A stress below this part of the largest one is rounding, and has no range of its own.
-const NOISE: f64 = 1e-9;
 /// Room for a colour bar with its numbers.
 pub const BAR: f64 = 92.0;
 /// Least height of a bar with its words.
@@ -46,38 +47,72 @@ fn shown_stress<const D: usize>(body: &BodySolution<D>) -> f64 {
     }
 }
 
-/// The ranges of all bodies in these solutions: each takes the bodies down to a part of its end, the last one all others.
+/// The ranges of all bodies in these solutions of a model or of its stages: each takes the bodies down to a part of its end, the last
+/// one all others.
 pub fn stress_ranges<'a, const D: usize>(
+    model: &Model<D>,
     solutions: impl IntoIterator<Item = &'a Solution<D>>,
 ) -> Vec<Range> {
-    let mut bodies: Vec<(String, f64)> = Vec::new();
-    for body in solutions.into_iter().flat_map(|solution| &solution.bodies) {
-        let high = shown_stress(body);
-        match bodies.iter_mut().find(|own| own.0 == body.name) {
-            Some(own) => own.1 = own.1.max(high),
-            None => bodies.push((body.name.clone(), high)),
+    let mut groups = alike(model);
+    for solution in solutions {
+        let scales = Scales::of(solution);
+        for body in &solution.bodies {
+            let high = scales.without_noise(shown_stress(body), Dimension::Stress);
+            let own = groups.iter_mut();
+            for group in own.filter(|group| group.bodies.contains(&body.name)) {
+                group.high = group.high.max(high);
+            }
         }
     }
-    let mut left = bodies.clone();
-    let most = largest(left.iter().map(|own| own.1));
+    let order: Vec<String> = groups.iter().map(|group| group.bodies[0].clone()).collect();
+    let mut left = groups;
     let mut ranges: Vec<Range> = Vec::new();
     while !left.is_empty() {
-        let high = largest(left.iter().map(|own| own.1));
-        let heard = |own: &(String, f64)| own.1 > NOISE * most && APART * own.1 < high;
-        let last = ranges.len() + 1 == MOST || !left.iter().any(heard);
-        let (own, others): (Vec<_>, Vec<_>) = left
-            .into_iter()
-            .partition(|own| last || own.1.is_nan() || APART * own.1 >= high);
+        let high = largest(left.iter().map(|group| group.high));
+        let apart = |group: &Range| APART * group.high < high;
+        let last = ranges.len() + 1 == MOST || !left.iter().any(|g| g.high > 0.0 && apart(g));
+        let (own, others): (Vec<Range>, Vec<Range>) =
+            left.into_iter().partition(|group| last || !apart(group));
         left = others;
-        ranges.push(Range {
-            bodies: own.into_iter().map(|own| own.0).collect(),
-            high,
-        });
+        let bodies = own.into_iter().flat_map(|group| group.bodies).collect();
+        ranges.push(Range { bodies, high });
     }
     // in the order of the bodies, which does not change from step to step
-    let place = |range: &Range| bodies.iter().position(|own| own.0 == range.bodies[0]);
+    let place = |range: &Range| order.iter().position(|name| *name == range.bodies[0]);
     ranges.sort_by_key(place);
     ranges
+}
+
+/// The bodies of a model, those of one material and those that are tied together, with empty ranges.
+fn alike<const D: usize>(model: &Model<D>) -> Vec<Range> {
+    let mut group: Vec<usize> = (0..model.bodies.len()).collect();
+    let mut join = |a: usize, b: usize| {
+        let [kept, gone] = [group[a].min(group[b]), group[a].max(group[b])];
+        group
+            .iter_mut()
+            .filter(|own| **own == gone)
+            .for_each(|own| *own = kept);
+    };
+    for (b, body) in model.bodies.iter().enumerate() {
+        let own = |other: &Body<D>| other.materials == body.materials;
+        let first = model.bodies[..b].iter().position(own);
+        first.inspect(|&first| join(first, b));
+    }
+    for contact in model
+        .contacts
+        .iter()
+        .filter(|contact| matches!(contact.law, Law::Tied))
+    {
+        if let [a, b] = contact.pair.sides()[..] {
+            join(a.body.0, b.body.0);
+        }
+    }
+    let mut groups: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+    for (body, group) in model.bodies.iter().zip(group) {
+        groups.entry(group).or_default().push(body.name.clone());
+    }
+    let groups = groups.into_values();
+    groups.map(|bodies| Range { bodies, high: 0.0 }).collect()
 }
 
 /// The end of the range of a body, above zero.
@@ -243,20 +278,40 @@ mod tests {
 
     #[test]
     fn very_different_stresses_get_their_own_ranges() {
-        let (_, mut solution) = tunnel::solved();
-        let ranges = stress_ranges([&solution]);
+        let (mut model, mut solution) = tunnel::solved();
+        let ranges = stress_ranges(&model, [&solution]);
         let names: Vec<&[String]> = ranges.iter().map(|range| &range.bodies[..]).collect();
         assert_eq!(names, [["ring"], ["rock"]]);
         assert!(end_for(&ranges, "ring") > APART * end_for(&ranges, "rock"));
+        // tied, or of one material, they have one
+        let law = std::mem::replace(&mut model.contacts[0].law, Law::Tied);
+        assert_eq!(stress_ranges(&model, [&solution]).len(), 1);
+        model.contacts[0].law = law;
+        let own = std::mem::replace(
+            &mut model.bodies[0].materials,
+            model.bodies[1].materials.clone(),
+        );
+        assert_eq!(stress_ranges(&model, [&solution]).len(), 1);
+        model.bodies[0].materials = own;
         let rock = solution.bodies[1].von_mises.clone();
         solution.bodies[0].von_mises = rock;
-        assert_eq!(stress_ranges([&solution]).len(), 1);
+        assert_eq!(stress_ranges(&model, [&solution]).len(), 1);
     }
 
     #[test]
     fn many_bodies_share_a_few_ranges_and_the_weakest_the_last() {
-        let (_, mut solution) = tunnel::solved();
+        let (mut model, mut solution) = tunnel::solved();
         let body = solution.bodies[1].clone();
+        let layer = model.bodies[1].clone();
+        model.contacts.clear();
+        model.bodies = (0..9)
+            .map(|k| {
+                let mut own = layer.clone();
+                own.name = format!("layer{k}");
+                own.materials[0].young += f64::from(k);
+                own
+            })
+            .collect();
         solution.bodies = (0..9)
             .map(|k| {
                 let mut body = body.clone();
@@ -267,7 +322,7 @@ mod tests {
             })
             .collect();
         solution.bodies[8].von_mises = vec![0.0];
-        let ranges = stress_ranges([&solution]);
+        let ranges = stress_ranges(&model, [&solution]);
         let sizes: Vec<usize> = ranges.iter().map(|range| range.bodies.len()).collect();
         assert_eq!(sizes, [2, 2, 2, 3]);
         assert_eq!(end_for(&ranges, "layer8"), ranges[3].high);

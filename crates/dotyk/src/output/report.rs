@@ -148,6 +148,11 @@ fn key_figures<const D: usize>(
     labels: &Labels,
 ) -> Markup {
     let mut cards: Vec<(&str, String, String)> = Vec::new();
+    let scales = Scales::of(solution);
+    let as_stress = |value: f64| {
+        let value = scales.without_noise(value, Dimension::Stress);
+        quantity(value, &labels.stress)
+    };
     if let Some((body, value)) = greatest(&solution.bodies, BodySolution::max_displacement) {
         cards.push((
             "Largest displacement",
@@ -162,11 +167,7 @@ fn key_figures<const D: usize>(
         if let Some(singular) = most.and_then(|peak| peak.place) {
             body += &format!(", at {}", singular.place);
         }
-        cards.push((
-            "Largest von Mises stress",
-            quantity(value, &labels.stress),
-            body,
-        ));
+        cards.push(("Largest von Mises stress", as_stress(value), body));
     }
     if let Some((body, peak)) = largest_utilisation(solution) {
         let place = peak
@@ -187,7 +188,7 @@ fn key_figures<const D: usize>(
             .map_or(String::new(), |c| c.name.clone());
         cards.push((
             "Largest contact pressure",
-            quantity(largest(solution.contacts.iter().map(peak)), &labels.stress),
+            as_stress(largest(solution.contacts.iter().map(peak))),
             name,
         ));
         // ties do not count as contacts, unless there are no others

@@ -258,11 +258,22 @@ impl<'a> Scene<'a> {
     ///
     /// Below each window `strip` pixels are kept free for its scale bar.
     pub fn views(&self, width: f64, margin: Margin, strip: f64) -> (Vec<View>, f64) {
-        let aspect = width_over_height(self.bounds);
+        self.views_of(self.bounds, width, margin, strip)
+    }
+
+    /// The same where the whole is a larger box.
+    pub fn views_of(
+        &self,
+        bounds: Box2,
+        width: f64,
+        margin: Margin,
+        strip: f64,
+    ) -> (Vec<View>, f64) {
+        let aspect = width_over_height(bounds);
         let (across, along) = (margin.left + margin.right, margin.top + margin.bottom);
         let Some(detail) = self.detail else {
             let height = ((width - across) / aspect).clamp(120.0, 480.0) + along;
-            let view = View::fitted(self.bounds, [0.0, 0.0], [width, height], margin);
+            let view = View::fitted(bounds, [0.0, 0.0], [width, height], margin);
             return (vec![view], height + strip);
         };
         let inset = |corner: Pixel, size: Pixel| View {
@@ -274,13 +285,13 @@ impl<'a> Scene<'a> {
             // Side by side.
             let own = (460.0 * aspect).clamp(60.0, (0.46 * width - across).max(60.0)) + across;
             let height = ((own - across) / aspect).min(460.0) + along;
-            let whole = View::fitted(self.bounds, [0.0, 0.0], [own, height], margin);
+            let whole = View::fitted(bounds, [0.0, 0.0], [own, height], margin);
             let start = own + between;
             let size = [width - start - 1.0, height - 8.0];
             return (vec![whole, inset([start, 8.0], size)], height + strip);
         }
         let upper = ((width - across) / aspect).clamp(80.0, 400.0) + along;
-        let whole = View::fitted(self.bounds, [0.0, 0.0], [width, upper], margin);
+        let whole = View::fitted(bounds, [0.0, 0.0], [width, upper], margin);
         let lower = (width / width_over_height(detail)).clamp(120.0, 400.0);
         let corner = [1.0, upper + strip + between];
         let height = corner[1] + lower + strip;

@@ -266,6 +266,10 @@ impl Scales {
         let loaded = bodies().map(|body| 2.0 * body.strain_energy / body.max_displacement());
         let loaded = loaded.filter(|force| force.is_finite());
         let stresses = bodies().flat_map(|body| body.stress.as_flattened());
+        let touching = solution.contacts.iter().flat_map(|contact| &contact.nodes);
+        let beds = solution.beds.iter().flat_map(|bed| &bed.points);
+        let pressures = touching.map(|node| node.pressure);
+        let pressures = pressures.chain(beds.map(|at| at.pressure));
         let moved = bodies().flat_map(|body| body.displacement.iter().map(|u| norm(*u)));
         Self {
             force: pressed
@@ -273,7 +277,10 @@ impl Scales {
                 .chain(coupled)
                 .chain(loaded)
                 .fold(0.0, f64::max),
-            stress: stresses.fold(0.0, |most, s| most.max(s.abs())),
+            stress: stresses
+                .copied()
+                .chain(pressures.filter(|p| p.is_finite()))
+                .fold(0.0, |most, s| most.max(s.abs())),
             length: moved.fold(0.0, f64::max),
             reach,
         }

@@ -286,3 +286,132 @@ fn what_is_no_sector_is_refused() {
         &["does not lie on"],
     );
 }
+
+/// A sixth of a ring whose rim is held along its normal, and whose inner side turns on springs.
+#[test]
+fn a_rim_held_along_its_normal_lets_the_whole_turn() {
+    let ring = "analysis = \"plane-stress\"\n\
+         [[body]]\nname = \"ring\"\n\
+         mesh = { ring = { inner = 1, outer = 2, from = 0, to = 60, cells = [6, 3] } }\n\
+         material = { young = 1000, poisson = 0.3 }\n\
+         cyclic = { from = \"start\", to = \"end\", sectors = 6 }\n\
+         fix = [{ side = \"outer\", normal = 0 }]\n\
+         spring = [{ side = \"inner\", tangential = 20 }]\n\
+         load = [{ side = \"inner\", traction = [\"-0.1*y\", \"0.1*x\"] }]\n";
+    let (model, steps) = solved(ring);
+    let moved = &steps[0].bodies[0].displacement;
+    for (x, u) in model.bodies[0].mesh.points().iter().zip(moved) {
+        // shear on the spring alone: the ring turns as it is, by 0.1/20
+        assert!((u[0] + 0.005 * x[1]).abs() < 1e-6, "{x:?} {u:?}");
+        assert!((u[1] - 0.005 * x[0]).abs() < 1e-6, "{x:?} {u:?}");
+    }
+}
+
+/// The same polygons, sector and whole: normals of a polygon are means of the facets that meet, those of the next sector included.
+#[test]
+fn sectors_of_polygons_press_as_whole_polygons() {
+    let polygons = |sector: bool| {
+        let mut model = Case::<2>::from_str(&shrunk(sector), "cyclic.toml", "".as_ref())
+            .unwrap()
+            .model;
+        for (body, side) in [(0, "outer"), (1, "inner")] {
+            model.bodies[body].surfaces.insert(side.to_string(), None);
+        }
+        let steps = model.solve_steps().unwrap();
+        assert!(steps.iter().all(|step| step.converged));
+        (model, steps)
+    };
+    let off = apart(&polygons(true), &polygons(false));
+    assert!(off < 1e-7, "{off:e}");
+}
+
+#[test]
+fn what_is_left_out_at_one_face_is_left_out_at_the_other() {
+    let points = "points = { a = [2, 0], b = [1, 1.7320508075688772] }\n[[contact]]";
+    for key in ["exclude", "friction_exclude"] {
+        let without = |names: &str| {
+            let text = shrunk(true)
+                .replace("[[contact]]", points)
+                .replace("gap = -0.01", &format!("gap = -0.01\n{key} = [{names}]"));
+            solved(&text).1.remove(1)
+        };
+        let both = without("\"a\", \"b\"");
+        for one in ["\"a\"", "\"b\""] {
+            let one = without(one);
+            for (one, both) in one.bodies.iter().zip(&both.bodies) {
+                assert_eq!(one.displacement, both.displacement);
+            }
+        }
+    }
+}
+
+#[test]
+fn contacts_go_on_in_the_sectors_beside() {
+    let says = |text: &str, words: &[&str]| {
+        let error = refused(text).to_string();
+        for word in words {
+            assert!(error.contains(word), "{word}: {error}");
+        }
+    };
+    let sectors = shrunk(true);
+    let symmetry = "cyclic = { from = \"start\", to = \"end\", sectors = 6 }\n";
+    let (hub, rim) = sectors.split_at(sectors.find("name = \"rim\"").unwrap());
+    // only one of both is a sector, the one with the multipliers or the other
+    says(
+        &format!("{}{rim}", hub.replace(symmetry, "")),
+        &["rim", "hub", "`cyclic`, too", "goes on beyond"],
+    );
+    says(
+        &format!("{hub}{}", rim.replace(symmetry, "")),
+        &["rim", "hub", "`cyclic`, too", "goes on beyond"],
+    );
+    // cut at other angles
+    says(
+        &format!(
+            "{hub}{}",
+            rim.replace("from = 0, to = 60", "from = 5, to = 65")
+        ),
+        &["hub", "rim", "at the same places"],
+    );
+    // another number of sectors
+    let three = rim
+        .replace("from = 0, to = 60", "from = 0, to = 120")
+        .replace("sectors = 6", "sectors = 3");
+    says(
+        &format!("{hub}{three}"),
+        &["hub", "rim", "different wholes"],
+    );
+}
+
+/// A pin in a hole within each sector needs no symmetry of its own.
+#[test]
+fn a_body_within_a_sector_is_one_in_each() {
+    let (_, steps) = solved(
+        "analysis = \"plane-strain\"\n\
+         [[body]]\nname = \"disc\"\n\
+         mesh = { ring = { inner = 1, outer = 2, from = 0, to = 60, cells = [6, 3] } }\n\
+         material = { young = 1000, poisson = 0.3 }\n\
+         cyclic = { from = \"start\", to = \"end\", sectors = 6 }\n\
+         spring = [{ side = \"inner\", normal = 20, tangential = 20 }]\n\
+         [[body]]\nname = \"pad\"\n\
+         mesh = { ring = { inner = 2, outer = 2.5, from = 20, to = 40, cells = [4, 2] } }\n\
+         material = { young = 1000, poisson = 0.3 }\n\
+         load = [{ side = \"outer\", pressure = 1 }]\n\
+         spring = [{ side = \"outer\", normal = 0.1, tangential = 0.1 }]\n\
+         [[contact]]\nname = \"fit\"\nsides = [\"pad.inner\", \"disc.outer\"]\nfriction = 0.3\n",
+    );
+    assert!(steps[0].contacts[0].resultant.iter().any(|f| f.abs() > 0.1));
+}
+
+#[test]
+fn a_gap_that_is_not_the_same_in_all_sectors_is_told() {
+    let warned = |gap: &str| {
+        let (_, steps) = solved(&shrunk(true).replace("gap = -0.01", &format!("gap = \"{gap}\"")));
+        let warnings = steps[0].warnings.iter();
+        warnings
+            .filter(|w| w.contains("one place of the whole"))
+            .count()
+    };
+    assert_eq!(warned("-0.01 - 0.002*cos(6*atan2(y, x))"), 0);
+    assert_eq!(warned("-0.01 - 0.002*cos(2*atan2(y, x))"), 1);
+}

@@ -14,6 +14,9 @@ use crate::model::{Analysis, Body, Bond, Member, MemberEnd, MemberKind};
 /// Names of the bond.
 const BOND: &str = "-bond";
 
+/// The free and the bonded part are at least this part of the whole bar.
+const LEAST: f64 = 1e-6;
+
 /// The place where the bond of a bar begins; `None` where no length is given.
 ///
 /// Errors: both lengths, or one that leaves nothing of the other; a bar that is not grouted; a place in none of its bodies.
@@ -49,16 +52,18 @@ pub(crate) fn bond_length<const D: usize>(
     };
     let (from, to) = (place(0)?, place(1)?);
     let whole = distance(from, to);
-    if given >= whole {
+    if given.min(whole - given) <= LEAST * whole {
         let message = format!(
             "its {} is {given}, and the bar is {} long",
             words(entry),
             Short(whole)
         );
-        return Err(Fault::new(&entry.node.span, message).label(match free {
-            true => "nothing is left to bond",
-            false => "nothing is left free: leave it out",
-        }));
+        return Err(Fault::new(&entry.node.span, message).label(
+            match (free, given < whole / 2.0) {
+                (true, false) | (false, true) => "nothing is left to bond",
+                (false, false) | (true, true) => "nothing is left free: leave it out",
+            },
+        ));
     }
     let share = if free { given } else { whole - given } / whole;
     let start = add_scaled(from, share, sub(to, from));

@@ -11,7 +11,7 @@
 use crate::contact::{Coupling, InterfaceNode, Moved, Role, Sample};
 use crate::geometry::{Point, add_scaled, dot, invert, norm, sub};
 use crate::model::system::condition::Condition;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Samples whose scatter in ξ has a smaller determinant lie on a line: reference facets are of size one, their samples far from that.
 const ON_A_LINE: f64 = 1e-12;
@@ -146,10 +146,13 @@ pub(crate) fn held_overlap<const D: usize>(
     condition: &Condition<D>,
     moved: &Moved<'_, D>,
 ) -> Option<(usize, f64)> {
-    let nodes = condition.interface.nodes.iter();
-    let held = nodes.filter(|node| node.role == Role::Fixed);
+    // the condition of a twin is that of the node which carries the multiplier of both
+    let twins = condition.touch.twins.iter().map(|twin| twin.places[1]);
+    let twins: BTreeSet<usize> = twins.collect();
+    let nodes = condition.interface.nodes.iter().enumerate();
+    let held = nodes.filter(|(place, node)| node.role == Role::Fixed && !twins.contains(place));
     let held = held.filter(|_| condition.interface.coupling != Coupling::Tied);
-    let depths = held.filter_map(|node| Some((node.node, -gap_at(condition, node, moved)?)));
+    let depths = held.filter_map(|(_, node)| Some((node.node, -gap_at(condition, node, moved)?)));
     depths.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 

@@ -250,6 +250,9 @@ fn peaks_of_slivers<const D: usize>(
 /// A polygon's distance from its curve matters when it is more than this part of the displacement jump.
 const SAGITTA: f64 = 0.01;
 
+/// A polygon that is nearer to its curve in parts of the body lies on it but for rounding.
+const FLAT: f64 = 1e-12;
+
 /// Nodes with less than this part of the largest contact force count as unloaded.
 const LOADED: f64 = 1e-9;
 
@@ -296,7 +299,8 @@ fn crude_gaps<const D: usize>(
                 .fold(0.0, f64::max)
         });
         let missed = missed.fold(0.0, f64::max);
-        if missed > SAGITTA * jump {
+        let diameter = model.bodies[condition.nonmortar.body.0].mesh.diameter();
+        if missed > (SAGITTA * jump).max(FLAT * diameter) {
             crude.push((missed, jump, &contact.name));
         }
     }

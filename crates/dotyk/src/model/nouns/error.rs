@@ -450,9 +450,9 @@ pub enum ProbeError<const D: usize> {
     /// A body has no such side.
     #[error(transparent)]
     Side(#[from] FemError),
-    /// A section otherwise than at its stations.
+    /// A section, a member or a bed otherwise than at its stations.
     #[error(
-        "section forces are read at the nearest station, `at`, or reduced over all of them, `reduce`"
+        "it is known at stations, or points of integration: read it at the nearest one, `at`, or reduced over all of them, `reduce`"
     )]
     StationsAlone,
     /// The nodes of a side in space as a line.

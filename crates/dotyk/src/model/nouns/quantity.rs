@@ -10,7 +10,7 @@
 //!
 //! A new quantity is a variant with its word here, and its value in `probe.rs`.
 
-use crate::fem::{Body, Place};
+use crate::fem::{Bed, Body};
 use crate::geometry::{Point, norm};
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::field::{FieldKind, Needs, Shape};
@@ -19,6 +19,7 @@ use crate::model::nouns::members::{Member, MemberKind};
 use crate::model::nouns::section::SectionQuantity;
 use crate::model::nouns::told::listed;
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::Range;
 
@@ -534,10 +535,10 @@ fn of_body<const D: usize>(
         }
         [side, word] if find(&OF_BED, word).is_some() && body.mesh.side(side).is_some() => {
             let quantity = words.one_of(2, "quantity of a bed", &OF_BED)?;
-            let mut springs = body.springs.iter();
-            match springs.any(|spring| spring.place() == Place::Side(side.to_string())) {
+            let bedded = bedded(body);
+            match bedded.contains(side) {
                 true => Ok(Parts::Bed(index, side.to_string(), quantity)),
-                false => Err(words.mistake(Mistake::NoBed, 1, [])),
+                false => Err(words.mistake(Mistake::NoBed, 1, bedded)),
             }
         }
         ["displacement"] => Err(words.incomplete(names(&moved))),
@@ -549,6 +550,18 @@ fn of_body<const D: usize>(
             let mut kinds = FieldKind::<D>::ALL.iter();
             match kinds.position(|kind| kind.plain && kind.name == word) {
                 Some(field) => of_field(words, (index, body), field),
+                None if body.mesh.side(word).is_some() => {
+                    let beds: &[_] = if bedded(body).contains(word) {
+                        &OF_BED
+                    } else {
+                        &[]
+                    };
+                    let known = ["reaction"].into_iter().chain(names(beds));
+                    Err(match words.0.len() {
+                        2 => words.incomplete(known),
+                        _ => words.mistake(Mistake::Unknown("quantity of a side".into()), 2, known),
+                    })
+                }
                 None => Err(words.mistake(
                     Mistake::Unknown("quantity of a body".into()),
                     1,
@@ -567,6 +580,15 @@ const QUANTITIES: [&str; 5] = [
     "reaction",
     "utilisation",
 ];
+
+/// The sides of a body that have a bed.
+fn bedded<const D: usize>(body: &Body<D>) -> BTreeSet<&str> {
+    let beds = body.springs.iter().filter_map(|spring| match &spring.bed {
+        Bed::Side { side, .. } => Some(side.as_str()),
+        Bed::Point { .. } => None,
+    });
+    beds.collect()
+}
 
 /// A result that is read from its nodal values.
 fn of_field<const D: usize>(

@@ -205,7 +205,8 @@ impl<const D: usize> BedSolution<D> {
     /// The part of it on which the bed presses.
     pub fn closed_area(&self) -> f64 {
         let closed = self.points.iter().filter(|at| at.closed);
-        closed.map(|at| at.area).sum()
+        // a sum of nothing would be -0
+        closed.fold(0.0, |sum, at| sum + at.area)
     }
 
     /// Mean of the pressure over the whole side.

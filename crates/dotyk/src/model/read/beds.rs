@@ -7,7 +7,7 @@
 //!   t = −kₜ (1 − n⊗n)(u − u_a)           ON the body
 //! ```
 //!
-//! Springs of one side are one bed: p and t are their sums, and the gap is the smallest of theirs. The resultant is the sum of their
+//! Springs of one side are one bed: p and t are their sums, and the gap is the smallest of those that only press. The resultant is the sum of their
 //! nodal forces.
 
 use crate::dual::NONE;
@@ -17,6 +17,7 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::Model;
 use crate::model::nouns::solution::{BedPoint, BedSolution};
+use crate::model::system::bodies::largest_load;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Source, row_ranges};
 use crate::model::system::parts::Owner;
@@ -67,7 +68,8 @@ pub(crate) fn bed_solutions<const D: usize>(
             }
         }
     }
-    beds.iter_mut().for_each(finish);
+    let load = largest_load(&condensed.bodies);
+    beds.iter_mut().for_each(|bed| finish(bed, load));
     Ok(beds)
 }
 
@@ -78,7 +80,7 @@ struct Sprung<'a, const D: usize> {
 }
 
 impl<const D: usize> Sprung<'_, D> {
-    /// Its points under displacements of the nodes, now and when it came. Without a spring along the normal the gap is infinite.
+    /// Its points under displacements of the nodes, now and when it came. Where no spring presses the gap is infinite.
     fn points(
         &self,
         pads: &[Pad<D>],
@@ -103,10 +105,9 @@ impl<const D: usize> Sprung<'_, D> {
                 normal: pad.normal,
                 area: pad.area,
                 pressure: force / pad.area,
-                gap: match (pad.bears(), only) {
-                    (false, _) => f64::INFINITY,
-                    (true, true) => (-pressed).max(0.0),
-                    (true, false) => 0.0,
+                gap: match only && pad.bears() {
+                    true => (-pressed).max(0.0),
+                    false => f64::INFINITY,
                 },
                 shear: add_scaled(moved, -pressed, pad.normal).map(|u| -across * u),
                 closed: false,
@@ -127,10 +128,10 @@ fn join<const D: usize>(bed: &mut BedSolution<D>, further: BedSolution<D>) {
     bed.resultant = add_scaled(bed.resultant, 1.0, further.resultant);
 }
 
-/// Tells where it presses, and that there is nothing to leave without a spring along the normal.
-fn finish<const D: usize>(bed: &mut BedSolution<D>) {
+/// Tells where it presses, beyond the rounding of its pressures and of the largest load; without a spring that presses nothing is left.
+fn finish<const D: usize>(bed: &mut BedSolution<D>, load: f64) {
     let pressures = bed.points.iter().map(|at| at.pressure.abs());
-    let none = NONE * pressures.fold(0.0, f64::max);
+    let none = NONE * pressures.fold(load / bed.area(), f64::max);
     for at in &mut bed.points {
         at.closed = at.pressure > none;
         at.gap = if at.gap.is_finite() { at.gap } else { 0.0 };

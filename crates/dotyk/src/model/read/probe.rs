@@ -144,10 +144,9 @@ fn site<const D: usize>(
         | Parts::Obstacle(..) => return Ok(nowhere),
         Parts::Section(..) | Parts::Member(_) | Parts::Bed(..) => {
             match (&probe.along, probe.reading) {
-                (None, Reading::Whole) if !probe.quantity.is_of_member() => {
-                    return Err(ProbeError::NoPlace);
-                }
-                (Some(_), _) | (_, Reading::MeanOfNeighbours(_) | Reading::Coupled(_)) => {
+                (None, Reading::Whole) if probe.quantity.is_of_member() => return Ok(nowhere),
+                (Some(_), _)
+                | (_, Reading::Whole | Reading::MeanOfNeighbours(_) | Reading::Coupled(_)) => {
                     return Err(ProbeError::StationsAlone);
                 }
                 _ => return Ok(nowhere),

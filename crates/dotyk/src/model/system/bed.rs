@@ -16,12 +16,12 @@
 //! turns: by a third with one facet across a footing, by 1/n² of that with n facets. Conditions on the nodal forces of the whole
 //! bed, ∫NᵀCN dS u, would open corners of curved facets under an even pressure, because their ∫N is at most zero.
 //!
-//! kₙ is taken at these points, and where it is 0 there is no spring. Where it varies along a facet, Σ_q above is a sum of its values
-//! there: exact for a linear kₙ on lines and quadrilaterals with straight sides, elsewhere with an error of the order of the cells.
+//! kₙ is taken at these points, and where it is 0 there is no spring. Where it varies along the side, the rules have two degrees more:
+//! 3 or 4 points of a line, 9 or 16 of a quadrilateral, exact for a kₙ of degree 2 on straight facets.
 
 use crate::contact::{Coupling, Interface, InterfaceNode, Row, frame};
 use crate::dual::Block;
-use crate::fem::{FemError, Pad, Place, pads};
+use crate::fem::{Pad, Place, pads};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::Model;
@@ -43,7 +43,7 @@ pub(crate) fn bedded<const D: usize>(
     let pads = pads(body, spring, model.analysis).map_err(refused)?;
     let pads: Vec<Pad<D>> = pads.into_iter().filter(Pad::bears).collect();
     let (Place::Side(side), false) = (spring.place(), pads.is_empty()) else {
-        return Err(refused(FemError::Spring { value: 0.0 }));
+        return Err(refused(spring.nowhere(true)));
     };
     let mut interface = Interface::empty(Coupling::Normal);
     let mut elastic = Elastic::default();

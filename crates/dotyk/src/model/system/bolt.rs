@@ -13,6 +13,7 @@
 
 use crate::contact::{Coupling, Interface, InterfaceNode, frame};
 use crate::fem::{Analysis, Constraints, show};
+use crate::fem::{SAME, coincident, largest_facet, placed, spans};
 use crate::geometry::{Point, distance, dot, unit};
 use crate::mesh::Facet;
 use crate::model::nouns::error::Error;
@@ -21,7 +22,6 @@ use crate::model::nouns::member::{ENDS, MemberEnd, MemberError};
 use crate::model::nouns::members::{Bolt, Drawn, Member};
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
-use crate::model::system::coincident::{SAME, coincident, largest_facet, placed, spans};
 use crate::model::system::condition::{Condition, Source};
 use crate::model::system::face::Face;
 use crate::model::system::links::{axis, carrier};

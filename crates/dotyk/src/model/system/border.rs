@@ -10,16 +10,13 @@
 //! with the directions at the second turned as its place is.
 
 use crate::contact::Role;
-use crate::fem::{Body, Turn};
-use crate::geometry::{Point, distance, dot};
+use crate::fem::Twins;
+use crate::geometry::{Point, dot};
 use crate::model::nouns::model::Model;
 use crate::model::nouns::solution::ContactSolution;
-use crate::model::system::coincident::{SAME, largest_facet};
 use crate::model::system::condition::{Condition, Twin};
-use crate::model::system::cyclic::turn;
-use std::collections::BTreeSet;
 
-/// Normals of one place, of which either face sees its own facets, have at least this cosine of their angle after the turn.
+/// Normals of one place have at least this cosine of their angle after the turn, where one has those of a corner's other side.
 const ALIKE: f64 = 0.9;
 
 /// Joins the nodes of contacts that are one place of the whole.
@@ -29,12 +26,9 @@ pub(crate) fn join_borders<const D: usize>(model: &Model<D>, conditions: &mut [C
         if condition.contact().is_none() {
             continue;
         }
-        let Some(cyclic) = &body.cyclic else { continue };
-        // faces that differ were refused before
-        let Ok(turn) = turn(body, cyclic, model.analysis) else {
-            continue;
-        };
-        let pairs = twins(body, [&cyclic.from, &cyclic.to], condition, &turn);
+        let Some(twins) = body.twins() else { continue };
+        let pairs = places(condition, &twins);
+        let turn = twins.turn;
         let frame = |place: usize| condition.interface.nodes[place].frame;
         let joined: Vec<([usize; 2], [Point<D>; D])> = pairs
             .iter()
@@ -46,41 +40,28 @@ pub(crate) fn join_borders<const D: usize>(model: &Model<D>, conditions: &mut [C
     }
 }
 
-/// The places of nodes on the first face, each with that of the node on the second face which it comes to.
-fn twins<const D: usize>(
-    body: &Body<D>,
-    faces: [&String; 2],
-    condition: &Condition<D>,
-    turn: &Turn<D>,
-) -> Vec<[usize; 2]> {
+/// The places of twins in the list of a contact's nodes.
+fn places<const D: usize>(condition: &Condition<D>, twins: &Twins<D>) -> Vec<[usize; 2]> {
     let nodes = &condition.interface.nodes;
-    let on = |face: &String| -> Vec<usize> {
-        let of_face = body.mesh.side_nodes(face).unwrap_or_default().into_iter();
-        let of_face: BTreeSet<usize> = of_face.map(|node| node as usize).collect();
-        let carries = |place: &usize| {
-            let node = &nodes[*place];
-            node.role == Role::Multiplier && node.rows[0].is_some() && of_face.contains(&node.node)
+    let of = |node: usize| {
+        let carries = move |place: &usize| {
+            let found = &nodes[*place];
+            found.node == node && found.role == Role::Multiplier && found.rows[0].is_some()
         };
-        (0..nodes.len()).filter(carries).collect()
+        (0..nodes.len()).filter(carries)
     };
-    let [from, to] = faces.map(on);
-    let within = SAME * largest_facet(&body.mesh, faces[1]);
-    let place = |of: usize| body.mesh.points()[nodes[of].node];
-    let is_twin = |first: usize, second: usize| {
-        first != second
-            && distance(turn.place(place(first)), place(second)) <= within
-            && dot(turn.vector(nodes[first].normal()), nodes[second].normal()) >= ALIKE
+    let alike = |first: usize, second: usize| {
+        dot(twins.turn.vector(nodes[first].normal()), nodes[second].normal()) >= ALIKE
             // where supports hold one of them otherwise than the other they are not alike
             && nodes[first].rows.map(|row| row.is_some())
                 == nodes[second].rows.map(|row| row.is_some())
     };
-    let mut free: BTreeSet<usize> = to.into_iter().collect();
-    let mut pairs = Vec::new();
-    for first in from {
-        let twin = free.iter().copied().find(|&second| is_twin(first, second));
-        if let Some(second) = twin {
-            free.remove(&second);
-            pairs.push([first, second]);
+    let mut pairs: Vec<[usize; 2]> = Vec::new();
+    for &[node, twin] in &twins.pairs {
+        for first in of(node) {
+            let free = |second: &usize| pairs.iter().all(|pair| pair[1] != *second);
+            let found = of(twin).find(|second| free(second) && alike(first, *second));
+            pairs.extend(found.map(|second| [first, second]));
         }
     }
     pairs

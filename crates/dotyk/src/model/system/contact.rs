@@ -2,8 +2,8 @@
 
 use crate::contact::{
     Against, ContactError, Corners, Coupling, Driven, End, GapPoint, InitialGap, Interface, Role,
-    Sample, corners_above, facets_coincide, missed_by_nodes, pair_mortar, pair_nodes,
-    pair_obstacle, samples, smooth_parts, taking_part, unmatched_facing,
+    Sample, check_sectors, corners_above, facets_coincide, missed_by_nodes, pair_mortar,
+    pair_nodes, pair_obstacle, samples, smooth_parts, taking_part, unmatched_facing,
 };
 use crate::fem::{Constraints, Place, Short, describe, show};
 use crate::geometry::Field;
@@ -80,6 +80,9 @@ pub(crate) fn contact_gaps<const D: usize>(
 
 /// Gaps below this part of the meshes' distance from their curves are rounding: the contact is closed, without a remark.
 const CLOSED: f64 = 1e-9;
+
+/// Gaps of one place differ by less than this part of the largest one.
+const UNLIKE: f64 = 1e-3;
 
 /// The largest initial gap at nodes and between them, if all are within a bound and not all are rounding of it.
 fn all_within<const D: usize>(
@@ -199,6 +202,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
                         part: far,
                         ..self.end(mortar)
                     };
+                    check_sectors([end, other]).map_err(fail)?;
                     let sides = self.sides([nonmortar, mortar], [end, other], coupling);
                     sides.map_err(fail)
                 }
@@ -210,17 +214,21 @@ impl<'a, const D: usize> Contacting<'a, D> {
         }
         paired.settle(whole.body.mesh.points());
         paired.warnings.extend(self.unintegrated(&paired.interface));
+        paired
+            .warnings
+            .extend(self.unlike_gaps(&paired.interface, whole));
         let [out, smooth] = [&self.contact.exclude, &self.contact.friction_exclude];
         for place in out.iter().chain(smooth) {
             self.carrier_at(whole, &paired.interface, place)
                 .map_err(fail)?;
         }
         if !out.is_empty() {
-            paired.exclude(&whole.nodes_at(out).map_err(fail)?);
+            let out = whole.nodes_at(out).map_err(fail)?;
+            paired.exclude(&whole.body.with_twins(out));
         }
         if coupling == Coupling::Frictional && !smooth.is_empty() {
-            let smooth = whole.nodes_at(smooth);
-            paired.interface.smooth(&smooth.map_err(fail)?);
+            let smooth = whole.nodes_at(smooth).map_err(fail)?;
+            paired.interface.smooth(&whole.body.with_twins(smooth));
         }
         match paired.unfit() {
             None => Ok(paired),
@@ -315,6 +323,33 @@ impl<'a, const D: usize> Contacting<'a, D> {
             )
         });
         pieces.into_iter().chain(shear).collect()
+    }
+
+    /// A warning about a gap from an expression or a tool that differs where the faces of a sector are one place of the whole.
+    fn unlike_gaps(&self, interface: &Interface<D>, side: End<'_, D>) -> Option<String> {
+        let given = matches!(self.contact.gap, Some(Gap::Given(_)))
+            || matches!(self.contact.pair, Pair::Obstacle { .. });
+        let twins = side.body.twins().filter(|_| given)?;
+        let nodes = interface.nodes.iter();
+        let nodes = nodes.filter(|node| !node.clearance.is_nan());
+        let gaps: BTreeMap<usize, f64> = nodes.map(|node| (node.node, node.clearance)).collect();
+        let largest = gaps
+            .values()
+            .fold(0.0, |most: f64, gap| most.max(gap.abs()));
+        let alike = (UNLIKE * largest).max(CLOSED * side.body.mesh.diameter());
+        let both = twins.pairs.iter().filter_map(|pair| {
+            let [one, other] = pair.map(|node| gaps.get(&node).copied());
+            Some((pair, [one?, other?]))
+        });
+        let apart = |gaps: [f64; 2]| (gaps[0] - gaps[1]).abs();
+        let (pair, gaps) = both.max_by(|a, b| apart(a.1).total_cmp(&apart(b.1)))?;
+        let [one, other] = pair.map(|node| show(side.body.mesh.points()[node]));
+        (apart(gaps) > alike).then(|| {
+            format!(
+                "contact \"{}\": the gap is {} at {one} and {} at {other}, which are one place of the whole of which {} is a sector: it should be the same there; the mean counts",
+                self.contact.name, Short(gaps[0]), Short(gaps[1]), side.body.name
+            )
+        })
     }
 
     fn fail(&self, source: ContactError) -> Error<D> {

@@ -12,12 +12,12 @@ use crate::contact::{
     pair_mortar,
 };
 use crate::fem::{AGREE, Body, Constraints, Cyclic, FemError, Held, Short, Turn, show};
+use crate::fem::{SAME, coincident, largest_facet, placed, spans};
 use crate::geometry::{Point, add_scaled, distance, dot, norm, sub, unit};
 use crate::mesh::Mesh;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::{Analysis, Model};
-use crate::model::system::coincident::{SAME, coincident, largest_facet, placed, spans};
 use crate::model::system::condition::{Condition, Source};
 use crate::model::system::face::Face;
 use crate::model::system::links::{axis, carrier};

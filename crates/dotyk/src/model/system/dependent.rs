@@ -65,13 +65,16 @@ pub(crate) fn drop_implied<const D: usize>(
     let drop = |(contact, rows): (usize, Vec<usize>)| {
         let nodes = describe(model, &conditions[contact], &rows);
         let condition = &mut conditions[contact];
+        let mut nodes_of = condition.interface.nodes.iter();
+        let pressure = nodes_of.any(|node| node.rows[0].is_some_and(|row| rows.contains(&row)));
         condition.interface.drop_rows(&rows);
         let undefined = match condition.contact() {
-            Some(_) => "the pressure there is not defined",
+            Some(_) if pressure => "the pressure there is not defined",
+            Some(_) => "the shear there is not defined",
             None => "how it shares its force with these is not unique",
         };
         format!(
-            "{}: the condition of {nodes} follows from supports and other contacts; it is dropped, and {undefined}",
+            "{}: the condition of {nodes} follows from supports and other conditions; it is dropped, and {undefined}",
             condition.called(model)
         )
     };

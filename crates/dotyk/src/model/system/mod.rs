@@ -8,7 +8,6 @@ pub mod bodies;
 pub mod bolt;
 pub mod border;
 pub mod choose;
-pub mod coincident;
 pub mod compliance;
 pub mod condense;
 pub mod condition;

@@ -76,7 +76,7 @@ pub fn section_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Option<Marku
         .map(|corners| camera.extent(on_plane(corners, section.axis, section.at)));
     let extents: Vec<Box2> = std::iter::once(camera.extent(left)).chain(close).collect();
     let cameras = vec![camera; extents.len()];
-    let ranges = stress_ranges([solution]);
+    let ranges = stress_ranges(scene.model, [solution]);
     let draw = |width: f64| {
         let (mut windows, height) = windows(&cameras, &extents, MARGIN, width - BAR);
         for window in windows.iter_mut().skip(1) {

@@ -36,7 +36,7 @@ pub fn stress_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
         let moved = moved(scene, solution, factor);
         camera.extent(scene.nodes().chain(moved))
     });
-    let ranges = stress_ranges([solution]);
+    let ranges = stress_ranges(scene.model, [solution]);
     let draw = |width: f64| {
         let (windows, height) = windows(&scene.cameras, &extents, MARGIN, width - BAR);
         let height = height.max(least_height(&ranges) + 40.0);
@@ -66,14 +66,14 @@ pub fn stress_figure(scene: &Scene<'_>, solution: &Solution<3>) -> Markup {
     html::fitted(&draw, "Deformed shape", &caption)
 }
 
-/// Drawings of solutions, each of a stage of the whole model, in one window, equally magnified and with the same colours; and their
-/// magnification.
+/// Drawings of solutions, each of a stage of the whole model, in one window, equally magnified and with the same colours; and words
+/// on the magnification.
 pub fn deformed_course(
     whole: &Model<3>,
     steps: &[(&Model<3>, &Solution<3>)],
-) -> (Vec<Markup>, f64) {
+) -> (Vec<Markup>, String) {
     let labels = Labels::of(whole);
-    let ranges = stress_ranges(steps.iter().map(|(_, solution)| *solution));
+    let ranges = stress_ranges(whole, steps.iter().map(|(_, solution)| *solution));
     let all = Scene::new(whole);
     let camera = all.cameras[0];
     let scenes: Vec<Scene<'_>> = steps.iter().map(|(stage, _)| Scene::new(stage)).collect();
@@ -98,7 +98,8 @@ pub fn deformed_course(
         colour_bars(&mut svg, solution, &ranges, &labels, [PHONE, height - 40.0]);
         svg.finish()
     };
-    (each().enumerate().map(draw).collect(), factor)
+    let words = format!("{} times", number(factor));
+    (each().enumerate().map(draw).collect(), words)
 }
 
 /// Places of all nodes, displacements magnified.

@@ -24,6 +24,21 @@ pub(crate) fn largest_facet<const D: usize>(mesh: &Mesh<D>, side: &str) -> f64 {
     facets.fold(0.0, |most: f64, facet| most.max(mesh.facet_length(*facet)))
 }
 
+/// For each node of a set the nearest one of another set that lies within a distance, if there is one.
+pub(crate) fn partners<const D: usize>(
+    [own, other]: [&[(usize, Point<D>)]; 2],
+    within: f64,
+) -> Vec<Option<usize>> {
+    let others = other.iter();
+    let others = others.map(|&(node, place)| GeomWithData::new(place, node));
+    let tree = RTree::bulk_load(others.collect());
+    let partner = |&(_, place): &(usize, Point<D>)| {
+        let near = tree.nearest_neighbor(place)?;
+        (distance(*near.geom(), place) <= within).then_some(near.data)
+    };
+    own.iter().map(partner).collect()
+}
+
 /// The nodes of two sets in pairs, one of each, that lie within a distance of each other.
 ///
 /// Errors: the place of a node that has no partner, or one of several.
@@ -31,18 +46,12 @@ pub(crate) fn coincident<const D: usize>(
     [own, other]: [&[(usize, Point<D>)]; 2],
     within: f64,
 ) -> Result<Vec<[usize; 2]>, Point<D>> {
-    let others = other.iter();
-    let others = others.map(|&(node, place)| GeomWithData::new(place, node));
-    let tree = RTree::bulk_load(others.collect());
-    let partner = |&(node, place): &(usize, Point<D>)| {
-        let near = tree.nearest_neighbor(place);
-        let near = near.filter(|near| distance(*near.geom(), place) <= within);
-        near.map(|near| [node, near.data]).ok_or(place)
+    let found = partners([own, other], within).into_iter();
+    let pair = |(partner, &(node, place)): (Option<usize>, &(usize, Point<D>))| {
+        partner.map(|partner| [node, partner]).ok_or(place)
     };
-    let pairs = own
-        .iter()
-        .map(partner)
-        .collect::<Result<Vec<_>, Point<D>>>()?;
+    let pairs = found.zip(own).map(pair);
+    let pairs = pairs.collect::<Result<Vec<_>, Point<D>>>()?;
     let mut met: Vec<usize> = pairs.iter().map(|pair| pair[1]).collect();
     met.sort_unstable();
     met.dedup();
