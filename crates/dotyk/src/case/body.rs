@@ -17,7 +17,7 @@ use crate::case::surface::true_surface;
 use crate::geometry::Field;
 use crate::mesh::Mesh;
 use crate::model::{
-    Active, Analysis, Body, Elastic, Formulation, Initial, Load, Material, Place, Support,
+    Active, Ages, Analysis, Body, Elastic, Formulation, Initial, Load, Material, Place, Support,
 };
 
 const FORMULATIONS: [(&str, Formulation); 2] = [
@@ -163,7 +163,7 @@ fn list_of_materials(
 fn material(node: &Node, body: &str, groups: &[&str]) -> Result<(Material, f64), Fault> {
     let table = node.table(keys::MATERIAL)?;
     let group = table.get("group").map(name).transpose()?;
-    let young = table.require("young", "a material")?.positive("`young`")?;
+    let (young, ages) = young(table.require("young", "a material")?)?;
     let poisson_node = table.require("poisson", "a material")?;
     let poisson = poisson_node.number()?;
     let thickness = table.get("thickness");
@@ -185,10 +185,26 @@ fn material(node: &Node, body: &str, groups: &[&str]) -> Result<(Material, f64),
     let material = Material {
         group,
         elastic: Elastic { young, poisson },
+        ages,
         plastic: plastic(table, strength.as_ref())?,
         strength,
     };
     Ok((material, thickness))
+}
+
+/// Young's modulus, and how it changes with time; what it is at the last load step is known later.
+fn young(node: &Node) -> Result<(f64, Option<Ages>), Fault> {
+    let young = node.course()?;
+    match young.as_constant() {
+        Some(_) => Ok((node.positive("`young`")?, None)),
+        None => Ok((
+            f64::NAN,
+            Some(Ages {
+                young,
+                last: f64::NAN,
+            }),
+        )),
+    }
 }
 
 /// Refuses a group of cells that the mesh does not have.

@@ -445,6 +445,9 @@ where
     };
     let probes = probes.map(|node| probe::probe(node, &mut bodies, &owners));
     let probes = probes.collect::<Result<Vec<_>, _>>()?;
+    for material in bodies.iter_mut().flat_map(|body| &mut body.materials) {
+        material.age_until(steps.times.last().copied());
+    }
 
     let model = Model {
         title,

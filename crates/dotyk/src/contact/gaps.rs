@@ -143,6 +143,7 @@ pub(super) mod tests {
                 elastic,
                 strength: None,
                 plastic: None,
+                ages: None,
             }],
             ..Body::of("body", mesh.into())
         }

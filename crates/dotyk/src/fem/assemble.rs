@@ -138,6 +138,7 @@ pub(crate) fn assemble_after<const D: usize>(
     }
     check_formulation(body, analysis)?;
     body.check_plastic(analysis)?;
+    body.check_ages(analysis)?;
     if let Some(why) = body.initial.unfit(analysis) {
         return Err(FemError::Initial { why });
     }

@@ -43,6 +43,24 @@ pub enum FemError {
         /// When.
         time: f64,
     },
+    /// A modulus that changes with time, where that is not supported.
+    #[error("`young` that changes with time is not supported yet {why}")]
+    Ages {
+        /// Where.
+        why: &'static str,
+    },
+    /// A modulus that at some time is no positive number.
+    #[error(
+        "`young` = {text} is {value} at t = {time}: it must be positive and finite at the times of all load steps"
+    )]
+    Young {
+        /// The expression.
+        text: String,
+        /// Its value.
+        value: f64,
+        /// When.
+        time: f64,
+    },
     /// A spring without a stiffness, or with one that is negative or not finite.
     #[error("the stiffness of a spring is {value}: it must be positive")]
     Spring {

@@ -8,6 +8,7 @@
 //! node's own frame (first the held directions), so that a prescribed displacement is always one dof.
 //! Tensile stress is positive; forces in plane analyses are for the body's thickness.
 
+mod ageing;
 mod assemble;
 mod block;
 mod borders;
@@ -38,6 +39,7 @@ mod surface;
 mod tests;
 mod volume;
 
+pub use ageing::Ages;
 pub(crate) use assemble::{ALONG, assemble_after, completed, largest_coefficient};
 pub use assemble::{BodySystem, assemble};
 pub use borders::Borders;

@@ -1,5 +1,6 @@
 //! Description of one elastic body: material, supports; its loads have a file of their own.
 
+use crate::fem::ageing::Ages;
 use crate::fem::couple::Couple;
 use crate::fem::cyclic::Cyclic;
 use crate::fem::initial::Initial;
@@ -58,8 +59,10 @@ impl Elastic {
 pub struct Material {
     /// Cell group that it applies to; `None`: every cell of the body.
     pub group: Option<String>,
-    /// The law.
+    /// The law; of a material that ages that of the load step, in a whole model of the last one.
     pub elastic: Elastic,
+    /// How Young's modulus changes with time; `None`: it does not.
+    pub ages: Option<Ages>,
     /// Its strength, for the utilisation; it changes no other result, unless the material is plastic.
     pub strength: Option<Strength>,
     /// How it yields where its stress reaches its strength; `None`: it stays elastic.

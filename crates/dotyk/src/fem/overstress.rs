@@ -419,6 +419,7 @@ mod tests {
             },
             strength: yield_stress.map(|yield_stress| Strength::VonMises { yield_stress }),
             plastic: None,
+            ages: None,
         };
         let mut body = body(groups());
         let u: Vec<Point<2>> = body.mesh.points().iter().map(|x| [x[0], 0.0]).collect();

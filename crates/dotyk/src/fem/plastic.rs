@@ -231,17 +231,17 @@ impl Plastic {
 }
 
 /// The points of a block of cells.
-struct Points<'a, const D: usize> {
-    block: &'a CellBlock,
-    cells: Cells<'a, D>,
+pub(super) struct Points<'a, const D: usize> {
+    pub block: &'a CellBlock,
+    pub cells: Cells<'a, D>,
     /// `None`: they do not yield.
     metal: Option<Metal>,
     /// Their places among all points of the body.
-    range: Range<usize>,
+    pub range: Range<usize>,
 }
 
 /// The points of all blocks of a body. Errors: a group of cells without a material.
-fn points<const D: usize>(
+pub(super) fn points<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
 ) -> Result<Vec<Points<'_, D>>, FemError> {
@@ -498,7 +498,7 @@ fn add_stress<const D: usize>(
 }
 
 /// Inelastic strain: the plastic one, and the change of volume that is not resisted.
-fn inelastic(point: &Strained) -> [f64; 6] {
+pub(super) fn inelastic(point: &Strained) -> [f64; 6] {
     std::array::from_fn(|c| point[c] + if c < 3 { point[7] / 3.0 } else { 0.0 })
 }
 

@@ -44,6 +44,7 @@ pub(super) fn body<const D: usize>(mesh: Mesh<D>) -> Body<D> {
             elastic: ELASTIC,
             strength: None,
             plastic: None,
+            ages: None,
         }],
         ..Body::of("block", mesh.into())
     }
@@ -191,6 +192,7 @@ fn each_group_has_the_first_material_that_is_given_for_it() {
         elastic: elastic(young),
         strength: None,
         plastic: None,
+        ages: None,
     };
     let mut body = body(groups());
     body.materials = vec![
@@ -1432,6 +1434,7 @@ fn stress_of_a_material_is_its_own_and_the_mean_by_volume_between_its_cells() {
         },
         strength: None,
         plastic: None,
+        ages: None,
     };
     let mut body = body(groups());
     body.materials = vec![material("a", 3.0), material("b", 9.0)];

@@ -4,8 +4,7 @@
 //! own, as far as their bars fit beside a picture. Bodies of one material, and those that are tied, have one range, so that colours do
 //! not jump where stresses do not.
 
-use crate::fem::Body;
-use crate::model::{BodySolution, Dimension, Law, Model, Solution};
+use crate::model::{Body, BodySolution, Dimension, Law, Model, Solution};
 use crate::output::colour;
 use crate::output::encode::png;
 use crate::output::json::largest;
@@ -287,10 +286,8 @@ mod tests {
         let law = std::mem::replace(&mut model.contacts[0].law, Law::Tied);
         assert_eq!(stress_ranges(&model, [&solution]).len(), 1);
         model.contacts[0].law = law;
-        let own = std::mem::replace(
-            &mut model.bodies[0].materials,
-            model.bodies[1].materials.clone(),
-        );
+        let rock = model.bodies[1].materials.clone();
+        let own = std::mem::replace(&mut model.bodies[0].materials, rock);
         assert_eq!(stress_ranges(&model, [&solution]).len(), 1);
         model.bodies[0].materials = own;
         let rock = solution.bodies[1].von_mises.clone();
@@ -308,7 +305,7 @@ mod tests {
             .map(|k| {
                 let mut own = layer.clone();
                 own.name = format!("layer{k}");
-                own.materials[0].young += f64::from(k);
+                own.materials[0].elastic.young += f64::from(k);
                 own
             })
             .collect();

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Field, Point, unit};
 use crate::model::{
-    Body, Bond, Contact, Elastic, Member, MemberKind, MemberWords, Model, Pair, Place, Support,
+    Body, Bond, Contact, Material, Member, MemberKind, MemberWords, Model, Pair, Place, Support,
 };
 use crate::output::markup::Markup;
 use crate::output::points::{couples, draw_points, forces, in_words};
@@ -255,7 +255,7 @@ pub fn name_parts<const D: usize>(
             let Some(material) = own.or(body.materials.last()) else {
                 continue;
             };
-            let text = format!("{group} {}", stiffness(material.elastic, labels));
+            let text = format!("{group} {}", stiffness(material, labels));
             let [x, y] = flow.explain(svg, &text);
             svg.rectangle([x, y - 9.0], [16.0, 10.0], INK, tint);
             let corners = [
@@ -389,16 +389,23 @@ pub fn name_loads(svg: &mut Svg, flow: &mut Flow) {
 }
 
 /// Stiffness of a material.
-fn stiffness(elastic: Elastic, labels: &Labels) -> String {
-    let young = quantity(elastic.young, &labels.stress);
-    format!("(E = {young}, ν = {})", number(elastic.poisson))
+fn stiffness(material: &Material, labels: &Labels) -> String {
+    let young = match &material.ages {
+        Some(ages) => format!(
+            "{}, now {}",
+            ages.young,
+            quantity(material.elastic.young, &labels.stress)
+        ),
+        None => quantity(material.elastic.young, &labels.stress),
+    };
+    format!("(E = {young}, ν = {})", number(material.elastic.poisson))
 }
 
 /// Name, stiffness, sector, body force and water of a body.
 pub fn body_text<const D: usize>(body: &Body<D>, labels: &Labels) -> String {
     let mut text = body.name.clone();
     if let [material] = body.materials.as_slice() {
-        text += &format!(" {}", stiffness(material.elastic, labels));
+        text += &format!(" {}", stiffness(material, labels));
     }
     if body.body_force.iter().any(|f| f.as_constant() != Some(0.0)) {
         let constant: Option<Vec<f64>> = body.body_force.iter().map(Field::as_constant).collect();

@@ -34,13 +34,15 @@ pub fn state<const D: usize>(steps: &[Solution<D>]) -> Option<Vec<u8>> {
     let (mut entries, mut numbers) = (Vec::new(), Vec::new());
     for (step, solution) in steps.iter().enumerate() {
         for body in &solution.bodies {
-            let Some(own) = &body.yielding else { continue };
+            let Some(points) = &body.inelastic else {
+                continue;
+            };
             entries.push(Entry {
                 step: step + 1,
                 body: body.name.clone(),
-                points: own.points.len(),
+                points: points.len(),
             });
-            let values = own.points.as_flattened().iter();
+            let values = points.as_flattened().iter();
             numbers.extend(values.flat_map(|value| value.to_le_bytes()));
         }
     }
@@ -97,7 +99,7 @@ pub fn read_state<const D: usize>(file: &[u8], past: &mut [Past<D>]) -> Result<(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{PastBody, Yielding};
+    use crate::model::PastBody;
     use crate::output::tunnel;
 
     #[test]
@@ -105,14 +107,7 @@ mod tests {
         let (_, mut solution) = tunnel::solved();
         assert_eq!(state(std::slice::from_ref(&solution)), None);
         let points = vec![[0.5; NUMBERS], [-1e-300; NUMBERS], [0.0; NUMBERS]];
-        solution.bodies[1].yielding = Some(Yielding {
-            strain: Vec::new(),
-            equivalent: Vec::new(),
-            share: Vec::new(),
-            cells: Vec::new(),
-            extent: 0.0,
-            points: points.clone(),
-        });
+        solution.bodies[1].inelastic = Some(points.clone());
         let file = state(std::slice::from_ref(&solution)).unwrap();
         let mut past = vec![Past::from(&solution)];
         past[0].bodies.iter_mut().for_each(|b| b.yielded = None);

@@ -505,6 +505,7 @@ mod tests {
             },
             strength: None,
             plastic: None,
+            ages: None,
         };
         let mut model = Model::new();
         let elastic = material("stiff", 1000.0).elastic;

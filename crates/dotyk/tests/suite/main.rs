@@ -2,6 +2,7 @@
 //!
 //! A file is a module; `cargo test --release --test suite rates::` runs one of them.
 
+mod ageing;
 mod anchors;
 mod anew;
 mod axisymmetric;

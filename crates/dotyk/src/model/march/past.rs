@@ -90,7 +90,7 @@ impl<const D: usize> From<&BodySolution<D>> for PastBody {
             name: body.name.clone(),
             max_displacement: body.max_displacement(),
             strain_energy: body.strain_energy,
-            yielded: body.yielding.as_ref().map(|own| own.points.clone()),
+            yielded: body.inelastic.clone(),
         }
     }
 }

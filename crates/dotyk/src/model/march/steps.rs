@@ -186,7 +186,7 @@ impl<'m, const D: usize> March<'m, D> {
         let new = || State::new(model, time, self.staged);
         let mut state = self.state.take().unwrap_or_else(new);
         let last = self.here.as_ref().map(|(here, _)| &here.conditions[..]);
-        let begins = state.go_on(model, (step, time), last) || self.stage.is_none();
+        let begins = state.go_on(model, (step, time), last)? || self.stage.is_none();
         let stage = self.stage.take().filter(|_| !begins);
         let stage = self
             .stage

@@ -45,6 +45,7 @@ impl<const D: usize> Model<D> {
             elastic,
             strength: None,
             plastic: None,
+            ages: None,
         };
         self.bodies.push(Body {
             materials: vec![material],

@@ -15,8 +15,8 @@ use crate::model::nouns::section::Section;
 
 pub use crate::contact::Rigid;
 pub use crate::fem::{
-    Active, Analysis, Bed, Body, Components, Couple, CoupleKind, Cyclic, Elastic, Load, Material,
-    Place, Support,
+    Active, Ages, Analysis, Bed, Body, Components, Couple, CoupleKind, Cyclic, Elastic, Load,
+    Material, Place, Support,
 };
 
 /// Names of units; they label the report and do not change numbers.

@@ -3,7 +3,7 @@
 //!
 //! A part is present in the steps whose time t lies in from ≤ t < until; parts of the first step do not count as appearing.
 
-use crate::fem::Active;
+use crate::fem::{Active, FemError, Material};
 use crate::model::nouns::error::{Error, Subject};
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::member::{Line, MemberEnd};
@@ -25,6 +25,8 @@ pub(crate) struct Presence {
     pub members: Vec<bool>,
     /// Members that are being tightened: prestressed ones in their first step, bolts when it is said.
     pub tightening: Vec<bool>,
+    /// Young's moduli of the materials of each body that ages; none of others.
+    pub young: Vec<Vec<f64>>,
 }
 
 impl Presence {
@@ -52,7 +54,12 @@ impl Presence {
         };
         let supports = |body: &Body<D>| body.supports.iter().map(|s| s.active.at(time)).collect();
         let springs = |body: &Body<D>| body.springs.iter().map(|s| s.active.at(time)).collect();
+        let young = |body: &Body<D>| match body.ages() {
+            true => body.materials.iter().map(|m| m.young_at(time)).collect(),
+            false => Vec::new(),
+        };
         Self {
+            young: model.bodies.iter().map(young).collect(),
             contacts: model.contacts.iter().map(touching).collect(),
             supports: model.bodies.iter().map(supports).collect(),
             springs: model.bodies.iter().map(springs).collect(),
@@ -62,7 +69,7 @@ impl Presence {
         }
     }
 
-    /// Everything is there.
+    /// Everything is there, and as it is at all times.
     pub fn is_whole(&self) -> bool {
         let Self {
             bodies,
@@ -72,7 +79,11 @@ impl Presence {
             members,
             // what is tightened is there
             tightening: _,
+            young,
         } = self;
+        if young.iter().any(|own| !own.is_empty()) {
+            return false;
+        }
         let lists = [bodies, contacts, members].into_iter();
         let mut lists = lists.chain(supports).chain(springs);
         lists.all(|list| list.iter().all(|&there| there))
@@ -228,7 +239,7 @@ impl<const D: usize> Model<D> {
             Body {
                 supports: supports.cloned().collect(),
                 springs: springs.cloned().collect(),
-                ..body.clone()
+                ..body.with_moduli(&there.young[index])
             }
         };
         let each = self.bodies.iter().enumerate();
@@ -315,7 +326,7 @@ impl<const D: usize> Model<D> {
         }
     }
 
-    /// Errors: a part that is present in no load step.
+    /// Errors: a part that is present in no load step; a modulus that is no positive number in one.
     pub(crate) fn check_presence(&self) -> Result<(), Error<D>> {
         let never = |what, subject: Subject| Err(Error::NeverThere { what, subject });
         let of_body = |body: &Body<D>| Subject::Body(body.name.clone());
@@ -323,6 +334,15 @@ impl<const D: usize> Model<D> {
         for (index, body) in self.bodies.iter().enumerate() {
             if !all.iter().any(|there| there.bodies[index]) {
                 return never("body", of_body(body));
+            }
+            for (there, &time) in all.iter().zip(&self.times).filter(|(t, _)| t.bodies[index]) {
+                let wrong = |(_, young): &(&Material, &f64)| !(**young > 0.0 && young.is_finite());
+                let each = body.materials.iter().zip(&there.young[index]);
+                if let Some((material, &value)) = each.into_iter().find(wrong) {
+                    let ages = material.ages.as_ref();
+                    let text = ages.map_or(String::new(), |ages| ages.young.to_string());
+                    return Err(Error::in_body(body, FemError::Young { text, value, time }));
+                }
             }
             for (place, support) in body.supports.iter().enumerate() {
                 let holds = |there: &Presence| there.bodies[index] && there.supports[index][place];

@@ -327,6 +327,10 @@ pub struct BodySolution<const D: usize> {
     pub pore_pressure: Option<Vec<f64>>,
     /// Its yielding; `None` where no material may yield.
     pub yielding: Option<Yielding>,
+    /// Strain that bears no stress, plastic or kept by a material that ages, behind it the equivalent plastic one and the change of
+    /// volume that the cell does not resist, at the points of integration of the stiffness: cell by cell, block by block. With it a later
+    /// run goes on. `None` where there is none.
+    pub inelastic: Option<Vec<[f64; 8]>>,
 }
 
 /// Yielding of a body.
@@ -342,9 +346,6 @@ pub struct Yielding {
     pub cells: Vec<f64>,
     /// Area with a plastic strain, in space volume; without thickness, with axial symmetry that of the section.
     pub extent: f64,
-    /// Plastic strain, behind it the equivalent one and the change of volume that the cell does not resist, at the points of
-    /// integration of the stiffness of all cells, block by block.
-    pub points: Vec<[f64; 8]>,
 }
 
 /// Utilisation of the strength of the materials of a body by its stress. The stress is elastic: material beyond its strength

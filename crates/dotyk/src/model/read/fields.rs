@@ -113,7 +113,12 @@ fn body_solution<const D: usize>(
     let fail = |source| Error::in_body(body, source);
     let yielded = factored.system.history.yielded.as_deref();
     let with = (body, model.analysis);
-    let stress = recover_yielded_stress(with, &state.u, time, yielded).map_err(fail)?;
+    let none = (body.ages() || body.is_plastic()).then(|| Yielded::nothing(body, model.analysis));
+    let none = none.transpose().map_err(fail)?;
+    let inelastic = yielded.or(none.as_ref());
+    // of a body that ages the stress is read in one way in all steps
+    let known = if body.ages() { inelastic } else { yielded };
+    let stress = recover_yielded_stress(with, &state.u, time, known).map_err(fail)?;
     let borders = Borders::of(body).map_err(fail)?;
     let yielding = yielding(model, (body, yielded), (before, &state), &borders).map_err(fail)?;
     let grown = yielding.as_ref().map(|own| &own.equivalent[..]);
@@ -181,6 +186,7 @@ fn body_solution<const D: usize>(
             peak: None,
         }),
         yielding,
+        inelastic: inelastic.map(|own| own.0.clone()),
     })
 }
 
@@ -203,7 +209,6 @@ fn yielding<const D: usize>(
             share: vec![0.0; borders.count()],
             cells: vec![0.0; body.mesh.cell_count()],
             extent: 0.0,
-            points: Yielded::nothing(body, model.analysis)?.0,
         }));
     };
     let found = recover_yielded((body, model.analysis), yielded, before.as_deref())?;
@@ -213,7 +218,6 @@ fn yielding<const D: usize>(
         share: found.share,
         cells: found.cells,
         extent: state.yielded,
-        points: yielded.0.clone(),
     }))
 }
 

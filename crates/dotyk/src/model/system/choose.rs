@@ -119,8 +119,8 @@ fn edges_at<const D: usize>(end: End<'_, D>) -> Result<BTreeMap<usize, f64>, Con
 fn stiffness<const D: usize>(end: End<'_, D>) -> f64 {
     let facets = end.body.mesh.side(end.side).unwrap_or_default().iter();
     let blocks = facets.map(|facet| &end.body.mesh.blocks()[facet.block as usize]);
-    let elastic = blocks.filter_map(|block| end.body.elastic(block).ok());
-    let moduli = elastic.map(|e| e.plane_modulus());
+    let materials = blocks.filter_map(|block| end.body.material(block).ok());
+    let moduli = materials.map(|m| m.lasting().plane_modulus());
     moduli.fold(f64::INFINITY, f64::min)
 }
 

@@ -86,6 +86,8 @@ fn same_elastic(a: &Material, b: &Material) -> bool {
     let Material {
         group,
         elastic,
+        // of a stage it is in its modulus
+        ages: _,
         // strength and yielding, which only drive
         strength: _,
         plastic: _,

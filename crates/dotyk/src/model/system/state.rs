@@ -198,17 +198,20 @@ impl<const D: usize> State<D> {
         self.moved = moved.into();
     }
 
-    /// Goes on to a step; returns whether parts come or go there. `last` are the conditions of the last step.
+    /// Goes on to a step; returns whether parts come, go or age there. `last` are the conditions of the last step.
+    ///
+    /// Errors: those of [`Body::aged`].
     pub fn go_on(
         &mut self,
         model: &Model<D>,
         (step, time): (usize, f64),
         last: Option<&[Condition<D>]>,
-    ) -> bool {
+    ) -> Result<bool, Error<D>> {
         let next = self.staged.then(|| Presence::at(model, time));
         let Some(next) = next.filter(|next| *next != self.presence) else {
-            return false;
+            return Ok(false);
         };
+        self.age(model, &next)?;
         let forces = self.forces.take();
         self.load = None;
         if let (Some(conditions), Some(forces)) = (last, &forces) {
@@ -228,7 +231,26 @@ impl<const D: usize> State<D> {
             self.births.insert(thing, Birth { step, moved });
         }
         self.presence = next;
-        true
+        Ok(true)
+    }
+
+    /// Bodies whose moduli change keep their stress.
+    fn age(&mut self, model: &Model<D>, next: &Presence) -> Result<(), Error<D>> {
+        for (place, body) in model.bodies.iter().enumerate() {
+            let young = [&self.presence.young[place], &next.young[place]];
+            let (Some(moved), Some(time)) = (&self.moved[place], self.time) else {
+                continue;
+            };
+            if young[0] == young[1] || !next.bodies[place] {
+                continue;
+            }
+            let [now, later] = young.map(|young| body.with_moduli(young));
+            let before = self.yielded[place].as_deref();
+            let kept = now.aged(&later, model.analysis, (&moved[..], time), before);
+            let kept = kept.map_err(|source| Error::in_body(body, source))?;
+            self.yielded[place] = Some(Arc::new(kept));
+        }
+        Ok(())
     }
 
     /// Parts that come with the next stage.
