@@ -499,6 +499,7 @@ class Model:
         tied: bool | None = None,
         exclude: Sequence[Any] | None = None,
         friction_exclude: Sequence[Any] | None = None,
+        gasket: Table | None = None,
         active: Table | None = None,
     ) -> Model:
         """Adds a contact between two sides, or between a side and a rigid obstacle; or, with ``bodies``, every contact that is

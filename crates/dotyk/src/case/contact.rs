@@ -14,8 +14,8 @@ use crate::contact::{ContactError, End};
 use crate::fem::Constraints;
 use crate::geometry::Field;
 use crate::model::{
-    Body, BodyId, Contact, Finding, FindingError, Gap, Law, Motion, Obstacle, Pair, Pairing, Place,
-    Rigid, SideRef, find,
+    Body, BodyId, Contact, Finding, FindingError, Gap, Gasket, Law, Motion, Obstacle, Pair,
+    Pairing, Place, Rigid, SideRef, find,
 };
 use std::sync::Arc;
 
@@ -146,6 +146,7 @@ fn finding<const D: usize>(
         "obstacle",
         "exclude",
         "friction_exclude",
+        "gasket",
     ];
     if let Some(entry) = instead.iter().find_map(|key| table.entry(key)) {
         let message = format!(
@@ -269,6 +270,9 @@ fn contact<const D: usize>(
         },
         (Some(node), _) => Some(gap(node)?),
     };
+    let gasket = gasket(table, (&name, &pair, &law))?;
+    // it fills what lies between its sides
+    let gap = gap.or(gasket.as_ref().map(|_| Gap::Closed));
     let (exclude, friction_exclude) = (table.get("exclude"), table.get("friction_exclude"));
     if let (Some(node), None) = (friction_exclude, table.get("friction")) {
         let message = format!("contact `{name}` has no friction that a node could be without");
@@ -291,9 +295,53 @@ fn contact<const D: usize>(
         pairing,
         gap,
         law,
+        gasket,
         reach: reach(table)?,
         active: steps.active(table)?,
     })
+}
+
+/// What lies in a contact and is compressed.
+fn gasket<const D: usize>(
+    table: Table<'_>,
+    (name, pair, law): (&str, &Pair<D>, &Law),
+) -> Result<Option<Gasket>, Fault> {
+    let Some(entry) = table.entry("gasket") else {
+        return Ok(None);
+    };
+    if matches!(pair, Pair::Obstacle { .. }) {
+        let message =
+            format!("contact `{name}` has an obstacle, and a gasket lies between two bodies");
+        return Err(Fault::new(&entry.key_span, message)
+            .label("no second body")
+            .help("make the obstacle a body that is held"));
+    }
+    if matches!(law, Law::Tied | Law::Cohesive { .. }) {
+        let message = format!("contact `{name}` has a gasket, which presses and does not pull");
+        return Err(Fault::new(&entry.key_span, message)
+            .label("not with a tie or a joint")
+            .help("leave out `tied`, or the cohesion"));
+    }
+    let own = entry.node.table(keys::GASKET)?;
+    let numbers = |key: &str| -> Result<Vec<f64>, Fault> {
+        let list = own.require(key, "a gasket")?.list()?;
+        list.iter().map(Node::number).collect()
+    };
+    let unloading = own.get("unloading");
+    let gasket = Gasket {
+        closure: numbers("closure")?,
+        pressure: numbers("pressure")?,
+        unloading: unloading
+            .map(|node| node.positive("`unloading`"))
+            .transpose()?,
+    };
+    match gasket.check() {
+        Ok(()) => Ok(Some(gasket)),
+        Err(error) => {
+            let message = format!("contact `{name}`: {error}");
+            Err(Fault::new(&entry.node.span, message).label("no law"))
+        }
+    }
 }
 
 /// The name of a "NAME" or "BODY.NAME" of one body.

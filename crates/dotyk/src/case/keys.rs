@@ -251,8 +251,11 @@ pub const CONTACT: &[&str] = &[
     "tied",
     "exclude",
     "friction_exclude",
+    "gasket",
     "active",
 ];
+/// `gasket` of a contact.
+pub const GASKET: &[&str] = &["closure", "pressure", "unloading"];
 /// `gap` of a contact, when it is a table.
 pub const GAP: &[&str] = &["adjust"];
 /// `obstacle` of a contact.
@@ -387,6 +390,7 @@ const TABLES: &[(&str, &[&str])] = &[
     ("couple", COUPLE),
     ("contact", CONTACT),
     ("gap", GAP),
+    ("gasket", GASKET),
     ("obstacle", OBSTACLE),
     ("friction", FRICTION),
     ("section", SECTION),

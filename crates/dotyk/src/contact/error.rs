@@ -137,6 +137,12 @@ pub enum ContactError {
         /// What to do.
         advice: &'static str,
     },
+    /// A gasket without a law, or whose state cannot go on.
+    #[error("its gasket cannot be computed: {why}")]
+    Gasket {
+        /// Why.
+        why: String,
+    },
     /// Two sectors are not parts of one whole.
     #[error(
         "{} and {} are sectors of different wholes: bodies that touch need the same axis and number of sectors in `cyclic`",

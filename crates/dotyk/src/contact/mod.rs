@@ -330,8 +330,8 @@ impl<const D: usize> Interface<D> {
     }
 
     /// Removes the multipliers of rows, and with a normal row under friction those of the tangential ones: the rows become
-    /// implied conditions, the rows after them move up, and nodes that lose all rows become fixed.
-    pub fn drop_rows(&mut self, rows: &[usize]) {
+    /// implied conditions, the rows after them move up, and nodes that lose all rows become fixed. Returns whether each row is kept (m,).
+    pub fn drop_rows(&mut self, rows: &[usize]) -> Vec<bool> {
         let mut kept = vec![true; self.nonmortar.len()];
         rows.iter().for_each(|&row| kept[row] = false);
         if self.coupling == Coupling::Frictional {
@@ -361,6 +361,7 @@ impl<const D: usize> Interface<D> {
                 node.role = Role::Fixed;
             }
         }
+        kept
     }
 
     /// Gives each two nodes one multiplier, that of the first: its rows become the means of those of both by weight, along the frame of

@@ -33,6 +33,7 @@ pub(crate) use nouns::field::numbers_at_nodes;
 pub use nouns::field::{BodyField, On, Shape};
 pub use nouns::file_names::{NameError, check_file_names};
 pub use nouns::finding::{Finding, FindingError, Found};
+pub use nouns::gasket::{Gasket, GasketError};
 pub use nouns::ids::*;
 pub use nouns::intrusion::Intrusion;
 pub use nouns::member::{

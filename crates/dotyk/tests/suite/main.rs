@@ -18,6 +18,7 @@ mod drawing;
 mod examples;
 mod found;
 mod friction;
+mod gaskets;
 mod gmsh;
 mod gmsh_space;
 mod initial;

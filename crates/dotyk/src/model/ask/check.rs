@@ -187,8 +187,13 @@ fn fill_run<const D: usize>(
     }
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut conditions = all_conditions(stage, &constraints, time).map_err(last)?;
-    let dropped =
-        complete(model, &mut systems, (&mut conditions, &|_| None), time).map_err(last)?;
+    let dropped = complete(
+        model,
+        &mut systems,
+        (&mut conditions, &|_| (None, None)),
+        time,
+    )
+    .map_err(last)?;
     sites(model, &conditions)?;
     lay_out(model)?;
     check.warnings.extend(dropped);

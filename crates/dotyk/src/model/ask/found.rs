@@ -114,6 +114,7 @@ pub(crate) fn find<const D: usize>(
                 pairing: finding.pairing,
                 gap: finding.gap.clone(),
                 law: finding.law.clone(),
+                gasket: None,
                 reach: None,
                 exclude: Vec::new(),
                 friction_exclude: Vec::new(),

@@ -42,13 +42,16 @@ pub(crate) fn worst_overlap<const D: usize>(
 ) -> Option<Overlap<D>> {
     let mut worst: Option<Overlap<D>> = None;
     let seen = seen(condition, lambda, |sample| sample.at.after(moved));
+    let closures = condition.closures(lambda);
     for (samples, (gaps, [pressure, bend])) in condition.touch.samples.iter().zip(seen) {
+        let closed = nodes_of(samples).filter_map(|node| closures.get(&node));
+        let closed = closed.fold(0.0, |most: f64, closure| most.max(*closure));
         for (sample, gap) in samples.iter().zip(gaps).filter(|(_, gap)| *gap < 0.0) {
             let found = Overlap {
                 contact,
                 point: sample.point,
                 depth: -gap,
-                resolved: pressure * sample.dent + bend + negligible,
+                resolved: closed + pressure * sample.dent + bend + negligible,
             };
             if worst.is_none_or(|w| found.depth * w.resolved > w.depth * found.resolved) {
                 worst = Some(found);

@@ -158,6 +158,8 @@ struct Named<'a, const D: usize> {
     bodies: (usize, Option<usize>),
     moved: Moved<'a, D>,
     resolved: BTreeMap<usize, f64>,
+    /// Closure of a gasket at nodes of the nonmortar side.
+    closures: BTreeMap<usize, f64>,
     /// The largest clearance, if it is given and not measured, and both undeformed sides, nonmortar and mortar, with their smooth
     /// continuations.
     given: Option<(f64, [Option<Surrounding<D>>; 2])>,
@@ -215,6 +217,7 @@ impl<'a, const D: usize> Named<'a, D> {
                 condition.mortar.as_ref().map(|side| side.body.0),
             ),
             resolved: resolved(condition, &moved, lambda, |x| shape?.distance(x)),
+            closures: condition.closures(lambda),
             above,
             moved,
             given,
@@ -241,6 +244,7 @@ impl<'a, const D: usize> Named<'a, D> {
             bodies: (sides[0].body.0, Some(sides[1].body.0)),
             moved: moved(condition, displaced),
             resolved: BTreeMap::new(),
+            closures: BTreeMap::new(),
             given: Some((passed, sides.map(|side| Some(around(model, skins, side))))),
             out: BTreeSet::new(),
             above: None,
@@ -250,7 +254,9 @@ impl<'a, const D: usize> Named<'a, D> {
     /// Allowed overlap at a node of its nonmortar side.
     fn allows(&self, node: u32) -> Option<f64> {
         let resolved = self.resolved.get(&(node as usize))?;
-        Some(BETWEEN_LIMIT * resolved + self.given.as_ref().map_or(0.0, |given| given.0))
+        let closed = self.closures.get(&(node as usize)).copied().unwrap_or(0.0);
+        let given = self.given.as_ref().map_or(0.0, |given| given.0);
+        Some(BETWEEN_LIMIT * resolved + closed + given)
     }
 
     /// Whether a clearance is given, and the undeformed point of body `of`, or the one next to it on the other body, lies within the

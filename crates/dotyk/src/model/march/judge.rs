@@ -331,7 +331,8 @@ pub(crate) fn blurred<const D: usize>(
         let lambda = &lambda[rows];
         let bears = |row: usize| lambda[row].abs() > none;
         let moved = moved(condition, displaced);
-        if !loose {
+        // sides with a gasket move into what lies between them
+        if !loose || condition.touch.filling.is_some() {
             return None;
         }
         let nearest = smallest_gap(condition, &moved, bears);
@@ -423,7 +424,7 @@ fn open_motions<const D: usize>(
     let mut free: Vec<bool> = components.iter().map(|c| *c == Component::Free).collect();
     // a member is a tie until it yields
     for (rows, condition) in
-        row_ranges(&condensed.conditions).filter(|(_, condition)| condition.elastic.is_some())
+        row_ranges(&condensed.conditions).filter(|(_, condition)| condition.is_link())
     {
         for (row, along) in rows.zip(condition.slides()) {
             free[row] |= along;

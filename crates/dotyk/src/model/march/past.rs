@@ -41,7 +41,7 @@ pub struct PastBody {
     /// Its strain energy.
     pub strain_energy: f64,
     /// Its plastic strain at the points of its stiffness, where known: as
-    /// [`Yielding::points`](crate::model::Yielding::points).
+    /// [`BodySolution::inelastic`](crate::model::BodySolution::inelastic).
     pub yielded: Option<Vec<[f64; 8]>>,
 }
 

@@ -1,5 +1,6 @@
 //! Load steps: each from the answer of the one before it, until a step has no answer.
 
+use crate::contact::ContactError;
 use crate::dual::Multipliers;
 use crate::fem::FemError;
 use crate::model::march::attempt::Start;
@@ -22,7 +23,8 @@ use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
 use crate::model::system::condense::{Condensed, linearise};
-use crate::model::system::condition::{Condition, row_ranges};
+use crate::model::system::condition::{Condition, contact_rows, row_ranges};
+use crate::model::system::filling::Filling;
 use crate::model::system::state::State;
 use crate::solve::ContactSolver;
 use std::mem::take;
@@ -95,8 +97,16 @@ pub(crate) fn condense_step<const D: usize>(
     Ok((stage.into_owned(), here))
 }
 
-/// Errors: a body that yields, which no dual problem with one F describes.
+/// Errors: a body that yields, or a gasket, which no dual problem with one F describes.
 pub(crate) fn check_linear<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
+    if let Some(contact) = model.contacts.iter().find(|c| c.gasket.is_some()) {
+        return Err(Error::Contact {
+            contact: contact.name.clone(),
+            source: ContactError::Gasket {
+                why: "its law has several lines, and other solvers would know one: run the case instead".to_string(),
+            },
+        });
+    }
     let why = "makes bodies answer otherwise than in proportion to what acts on them: their dual problem is none for other solvers; leave it out, or run the case";
     match model.bodies.iter().find(|body| body.is_plastic()) {
         Some(body) => Err(Error::in_body(body, FemError::Plastic { why })),
@@ -147,12 +157,40 @@ impl<'m, const D: usize> March<'m, D> {
                 Ok(here) => here,
                 Err(error) => return Err(error.in_step(model, step, take(&mut self.done))),
             };
-            let Some(stage) = &self.stage else {
-                return Err(Error::NoStep);
-            };
-            let solved = match past.get(index) {
-                Some(done) => solve_again(stage, &mut here, (step, done), start, observe),
-                None => solve_step(stage, &mut here, (own, None), start, observe),
+            let mut turns = 0;
+            let solved = loop {
+                let Some(stage) = &self.stage else {
+                    return Err(Error::NoStep);
+                };
+                let solved = match past.get(index) {
+                    Some(done) if turns == 0 && !model.has_gaskets() => {
+                        solve_again(stage, &mut here, (step, done), start, observe)
+                    }
+                    // lines of gaskets are not recorded: their steps are solved anew
+                    _ => solve_step(stage, &mut here, (own, None), start, observe),
+                };
+                let Some(fillings) = refilled(&here.0, &solved, turns) else {
+                    break solved;
+                };
+                if turns == MOST_TURNS {
+                    let (contact, _) = &fillings[0];
+                    let error = Error::Contact {
+                        contact: contact.clone(),
+                        source: ContactError::Gasket {
+                            why: format!(
+                                "its law and the forces do not agree after {turns} turns; give more load steps"
+                            ),
+                        },
+                    };
+                    return Err(error.in_step(model, step, take(&mut self.done)));
+                }
+                turns += 1;
+                let state = here.0.state.with_fillings(fillings);
+                self.here = Some(here);
+                here = match self.linear(state, time, observe) {
+                    Ok(here) => here,
+                    Err(error) => return Err(error.in_step(model, step, take(&mut self.done))),
+                };
             };
             self.here = Some(here);
             let (state, mut solution, objection) = match solved {
@@ -188,9 +226,18 @@ impl<'m, const D: usize> March<'m, D> {
         let last = self.here.as_ref().map(|(here, _)| &here.conditions[..]);
         let begins = state.go_on(model, (step, time), last)? || self.stage.is_none();
         let stage = self.stage.take().filter(|_| !begins);
-        let stage = self
-            .stage
-            .insert(stage.unwrap_or_else(|| state.stage(model)));
+        self.stage = Some(stage.unwrap_or_else(|| state.stage(model)));
+        self.linear(state, time, observe)
+    }
+
+    /// The dual problem of the present stage at a time, from a state.
+    fn linear(
+        &mut self,
+        state: State<D>,
+        time: f64,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<Here<D>, Error<D>> {
+        let stage = self.stage.as_ref().ok_or(Error::NoStep)?;
         let (goes_on, from) = (state.goes_on(), (time, Arc::new(state)));
         let (before, view) = self.here.take().unzip();
         let look = |conditions: &[Condition<D>], same| match view.filter(|_| same) {
@@ -200,6 +247,26 @@ impl<'m, const D: usize> March<'m, D> {
         };
         linearise(stage, from, (before, self.dense_limit), look, observe)
     }
+}
+
+/// Most solutions of a step with gaskets, and of these those at first whose lines may lie anywhere; later the next lines follow.
+const MOST_TURNS: usize = 200;
+const FREE_TURNS: usize = 4;
+
+/// The gaskets whose pressures lie on other lines than those with which a step was solved, by contact; `None` where there is none.
+fn refilled<const D: usize>(
+    here: &Condensed<D>,
+    solved: &Result<Solved<D>, Error<D>>,
+    turns: usize,
+) -> Option<Vec<(String, Filling)>> {
+    let forces = solved.as_ref().ok()?.0.forces.as_ref()?;
+    let far = if turns < FREE_TURNS { usize::MAX } else { 1 };
+    let refilled = contact_rows(&here.conditions).filter_map(|(_, (rows, condition))| {
+        let filling = condition.filled_otherwise(&forces.lambda[rows], far)?;
+        Some((condition.name.clone(), filling))
+    });
+    let refilled: Vec<(String, Filling)> = refilled.collect();
+    (!refilled.is_empty()).then_some(refilled)
 }
 
 /// State after a step, its solution, and why it is not an answer.

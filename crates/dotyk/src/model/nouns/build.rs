@@ -183,6 +183,7 @@ impl<const D: usize> Model<D> {
             gap: None,
             law: Law::Frictionless,
             exclude: Vec::new(),
+            gasket: None,
             reach: None,
             friction_exclude: Vec::new(),
             active: Active::ALWAYS,

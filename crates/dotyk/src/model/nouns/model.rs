@@ -8,6 +8,7 @@ use crate::contact::Coupling;
 use crate::dual::Friction;
 use crate::geometry::{Field, Point};
 use crate::model::nouns::dimension::Dimension;
+use crate::model::nouns::gasket::Gasket;
 use crate::model::nouns::member::MemberWords;
 use crate::model::nouns::members::{Member, by_kind};
 use crate::model::nouns::quantity::Quantity;
@@ -266,6 +267,8 @@ pub struct Contact<const D: usize> {
     pub gap: Option<Gap>,
     /// The law of the interface.
     pub law: Law,
+    /// What lies between the two bodies and is compressed; usually with [`Gap::Closed`], which counts its closure from the meshes as drawn.
+    pub gasket: Option<Gasket>,
     /// Only facets that face each other within this distance take part, a length; `None`: all.
     pub reach: Option<f64>,
     /// Points and sides of the nonmortar body whose nodes are excluded: open, whatever is opposite.

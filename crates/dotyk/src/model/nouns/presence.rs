@@ -209,6 +209,11 @@ impl<const D: usize> Model<D> {
         presences.any(|other| Some(other) != first)
     }
 
+    /// Whether a gasket lies in one of its contacts.
+    pub(crate) fn has_gaskets(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.gasket.is_some())
+    }
+
     /// Whether its steps pass on a state other than slip.
     pub(crate) fn is_staged(&self) -> bool {
         // what is tightened in its first step is locked in the next

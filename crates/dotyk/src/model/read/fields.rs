@@ -240,7 +240,7 @@ fn link_forces<const D: usize>(
                     *sum = add_scaled(*sum, -offset, c);
                 }
             }
-            if condition.elastic.is_none() && condition.source.member().is_none() {
+            if !condition.is_link() && condition.source.member().is_none() {
                 continue;
             }
             let forces = condition.forces(&lambda[rows.clone()]);
@@ -257,7 +257,9 @@ fn link_forces<const D: usize>(
                     }
                     // these are not links
                     Source::Contact(_)
-                    | Source::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..)) => {
+                    | Source::Of(
+                        Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..) | Owner::Gasket(_),
+                    ) => {
                         continue;
                     }
                 };
@@ -419,6 +421,7 @@ fn contact_solution<const D: usize>(
     let coupling = condition.interface.coupling;
     // projected methods leave small forces where a contact is open
     let none = NONE * borne.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    let closures = condition.closures(lambda);
     let node_state = |node: &InterfaceNode<D>| {
         let u_nonmortar = states[condition.nonmortar.body.0].u[node.node];
         let u_mortar = match &condition.mortar {
@@ -457,7 +460,9 @@ fn contact_solution<const D: usize>(
                     (_, Some(Shear::Stick)) => Status::Stick,
                     (_, Some(Shear::Slip { .. } | Shear::Smooth)) => Status::Slip,
                 };
-                (gaps[row], lambda[row] / node.weight, status)
+                // of a gasket it is minus the closure
+                let closure = closures.get(&node.node).copied().unwrap_or(0.0);
+                (gaps[row] - closure, lambda[row] / node.weight, status)
             }
             (role, _) => {
                 let gap = node.gap + along(fitted) - displacement_nonmortar + displacement_mortar;

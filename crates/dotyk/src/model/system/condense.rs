@@ -130,8 +130,8 @@ fn connect<const D: usize>(
     let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
     let mut conditions = all_conditions(stage, &constraints, time)?;
     state.place(model, &mut conditions)?;
-    let lost = |name: &str| state.lost(name);
-    let dropped = complete(model, &mut systems, (&mut conditions, &lost), time)?;
+    let before = |name: &str| state.before(name);
+    let dropped = complete(model, &mut systems, (&mut conditions, &before), time)?;
     turn_to_forces(&mut systems[..model.bodies.len()], &conditions);
     seconds.assemble += lap.seconds();
     Ok(Connected {
@@ -190,7 +190,7 @@ impl<const D: usize> Condensed<D> {
         (time, state): (f64, Arc<State<D>>),
         observe: &mut dyn FnMut(Event),
     ) -> Result<Self, Error<D>> {
-        let lost = |name: &str| state.lost(name);
+        let lost = |name: &str| state.before(name).0;
         restore(model, &mut self.conditions, &lost);
         carry(&mut self, state.yielded());
         (self.time, self.part, self.state) = (time, None, Arc::clone(&state));

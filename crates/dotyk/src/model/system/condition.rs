@@ -14,6 +14,7 @@ use crate::geometry::{Field, Point, add_scaled, dot, sub};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::*;
+use crate::model::system::filling::Filling;
 use crate::model::system::parts::Owner;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -51,9 +52,13 @@ impl Source {
         match self {
             Self::Of(Owner::Member(place)) => Some(place),
             Self::Contact(_)
-            | Self::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..) | Owner::Bed(..)) => {
-                None
-            }
+            | Self::Of(
+                Owner::Body(_)
+                | Owner::Obstacle(_)
+                | Owner::Point(..)
+                | Owner::Gasket(_)
+                | Owner::Bed(..),
+            ) => None,
         }
     }
 }
@@ -121,6 +126,8 @@ pub(crate) struct Touch<const D: usize> {
     pub sharers: Vec<Sharer>,
     /// Nodes on the borders of a sector with one multiplier: see `border.rs`.
     pub twins: Vec<Twin<D>>,
+    /// The gasket in it.
+    pub filling: Option<Filling>,
     /// Its multipliers are finer than the softer side, which then may respond alike to different forces.
     pub finer: bool,
 }
@@ -137,6 +144,7 @@ impl<const D: usize> Default for Touch<D> {
             missed: Default::default(),
             sharers: Vec::new(),
             twins: Vec::new(),
+            filling: None,
             finer: false,
         }
     }
@@ -232,6 +240,20 @@ impl<const D: usize> Condition<D> {
         match self.source {
             Source::Contact(index) => Some(index),
             _ => None,
+        }
+    }
+
+    /// It is a link: not a contact, be there a gasket in it or not.
+    pub fn is_link(&self) -> bool {
+        self.elastic.is_some() && self.contact().is_none()
+    }
+
+    /// Removes the multipliers of rows: see [`Interface::drop_rows`].
+    pub fn drop_rows(&mut self, rows: &[usize]) {
+        let kept = self.interface.drop_rows(rows);
+        for (_, rows) in &mut self.further {
+            let mut kept = kept.iter();
+            rows.retain(|_| kept.next() != Some(&false));
         }
     }
 
@@ -407,11 +429,11 @@ pub(crate) fn initial_gaps<const D: usize>(conditions: &[Condition<D>]) -> Vec<f
 /// The same without shears: the distance to the contacts that may hold a body; infinite in tangential rows, whose gap is a slip.
 pub(crate) fn clearances<const D: usize>(conditions: &[Condition<D>]) -> Vec<f64> {
     let of_condition = |condition: &Condition<D>| {
-        let gaps = match condition.elastic {
+        if condition.is_link() {
             // wherever a link came, its play alone is between it and a force
-            Some(_) => return condition.interface.gaps(),
-            None => condition.gaps().into_iter(),
-        };
+            return condition.interface.gaps();
+        }
+        let gaps = condition.gaps().into_iter();
         let far = |(gap, slides)| if slides { f64::INFINITY } else { gap };
         gaps.zip(condition.slides()).map(far).collect()
     };

@@ -37,7 +37,7 @@ pub(crate) fn all_conditions<const D: usize>(
                 None => continue,
             },
             // this part belongs to a contact
-            Owner::Obstacle(_) => continue,
+            Owner::Obstacle(_) | Owner::Gasket(_) => continue,
             Owner::Point(of, place) => coupling(model, constraints[of], ((of, place), part), time)?,
             Owner::Bed(of, place) => bedded(model, (of, place), part)?,
             Owner::Member(place) => pulling(stage, (place, &laid[place]), part),
@@ -77,7 +77,9 @@ pub(crate) fn take_gaps<const D: usize>(
             check_faces(body, cyclic, constraints[of], &condition.interface)
                 .map_err(|source| Error::in_body(body, source))
         }
-        Source::Of(Owner::Obstacle(_) | Owner::Bed(..) | Owner::Member(_)) => Ok(()),
+        Source::Of(Owner::Obstacle(_) | Owner::Gasket(_) | Owner::Bed(..) | Owner::Member(_)) => {
+            Ok(())
+        }
     };
     let taken: Vec<_> = conditions.par_iter_mut().map(take).collect();
     // of several errors the first one, whatever thread was faster

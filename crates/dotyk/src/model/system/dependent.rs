@@ -67,7 +67,7 @@ pub(crate) fn drop_implied<const D: usize>(
         let condition = &mut conditions[contact];
         let mut nodes_of = condition.interface.nodes.iter();
         let pressure = nodes_of.any(|node| node.rows[0].is_some_and(|row| rows.contains(&row)));
-        condition.interface.drop_rows(&rows);
+        condition.drop_rows(&rows);
         let undefined = match condition.contact() {
             Some(_) if pressure => "the pressure there is not defined",
             Some(_) => "the shear there is not defined",

@@ -10,7 +10,9 @@ use crate::model::system::border::join_borders;
 use crate::model::system::condition::Condition;
 use crate::model::system::conditions::take_gaps;
 use crate::model::system::dependent::drop_implied;
-use crate::model::system::joints::{Losses, restore, set_offsets};
+use crate::model::system::filling::Filling;
+use crate::model::system::gasket::fill;
+use crate::model::system::joints::{Lost, restore, set_offsets};
 use crate::model::system::parts::rigid_systems;
 use crate::model::system::shared::share_nodes;
 use rayon::prelude::*;
@@ -58,20 +60,27 @@ pub(crate) fn driven<const D: usize>(
     Ok((bodies, conditions))
 }
 
+/// State of a contact before a step: lost nodes of a joint, and a gasket.
+pub(crate) type Before<'s> = (Option<&'s Lost>, Option<&'s Filling>);
+
+/// Finds the state of a contact by its name.
+pub(crate) type States<'a, 's> = dyn Fn(&str) -> Before<'s> + 'a;
+
 /// Completes the systems of bodies and rigid parts by those of links, gives common nodes of contacts one multiplier, drops conditions
-/// implied by others, and adds the offset forces of joints and members to the loads, at a time; `before` gives the lost nodes of joints by
-/// the names of contacts. Returns warnings about dropped conditions.
+/// implied by others, and adds the offset forces of joints and members to the loads, at a time; `before` gives the states of joints and
+/// gaskets by the names of contacts. Returns warnings about dropped conditions.
 ///
-/// Errors: those of [`set_offsets`].
-pub(crate) fn complete<const D: usize>(
+/// Errors: those of [`set_offsets`] and [`fill`].
+pub(crate) fn complete<'s, const D: usize>(
     model: &Model<D>,
     systems: &mut Vec<BodySystem<D>>,
-    (conditions, before): (&mut [Condition<D>], &Losses<'_>),
+    (conditions, before): (&mut [Condition<D>], &States<'_, 's>),
     time: f64,
 ) -> Result<Vec<String>, Error<D>> {
-    systems.extend(link_systems(conditions));
-    restore(model, conditions, before);
     join_borders(model, conditions);
+    fill(model, conditions, &|name| before(name).1)?;
+    systems.extend(link_systems(conditions));
+    restore(model, conditions, &|name| before(name).0);
     share_nodes(model, systems, conditions);
     let dropped = drop_implied(model, systems, conditions);
     set_offsets(model, conditions, time)?;

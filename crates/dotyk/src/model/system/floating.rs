@@ -47,7 +47,7 @@ impl Floating {
         let gaps = clearances(conditions);
         let m = gaps.len();
         let mut ranges = row_ranges(conditions);
-        let links = ranges.find(|(_, own)| own.elastic.is_some() || own.source.member().is_some());
+        let links = ranges.find(|(_, own)| own.is_link() || own.source.member().is_some());
         let links = links.map_or(m, |(rows, _)| rows.start);
         let modes: Vec<(usize, usize)> = bodies
             .iter()

@@ -83,7 +83,7 @@ impl Lost {
 pub(crate) type Losses<'a> = dyn Fn(&str) -> Option<&'a Lost> + 'a;
 
 /// Which side carries the multipliers of a contact: bodies keep their order from stage to stage.
-fn carrying<const D: usize>(condition: &Condition<D>) -> (String, bool) {
+pub(crate) fn carrying<const D: usize>(condition: &Condition<D>) -> (String, bool) {
     let own = &condition.nonmortar;
     let first = condition.mortar.as_ref();
     let first = first.is_none_or(|other| own.body.0 <= other.body.0);

@@ -141,12 +141,14 @@ fn same_contact<const D: usize>(a: &Contact<D>, b: &Contact<D>) -> bool {
         pairing,
         gap,
         law,
+        gasket,
         reach,
         exclude,
         friction_exclude,
         active,
     } = a;
     (name, pairing, reach, active) == (&b.name, &b.pairing, &b.reach, &b.active)
+        && *gasket == b.gasket
         && (exclude, friction_exclude) == (&b.exclude, &b.friction_exclude)
         && same_pair(pair, &b.pair)
         && same_gap(gap.as_ref(), b.gap.as_ref())

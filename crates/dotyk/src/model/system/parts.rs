@@ -1,6 +1,6 @@
 //! Parts: everything that moves, each once and in one order. The bodies are followed by the rigid parts, which are bodies with K⁺ = 0
 //! whose free components are modes: obstacles that are free to translate, and the points of couples. The last are the elastic
-//! parts of beds and members (`links.rs`).
+//! parts of gaskets, beds and members (`links.rs`).
 
 use crate::fem::{BodySystem, Couple};
 use crate::geometry::{Field, Point};
@@ -18,6 +18,8 @@ pub(crate) enum Owner {
     Obstacle(usize),
     /// The point of a couple: a body, and which of its couples.
     Point(usize, usize),
+    /// The elastic part of a contact with a gasket.
+    Gasket(usize),
     /// The elastic part of a bed that only presses: a body, and which of its springs.
     Bed(usize, usize),
     /// A member, with the elastic part that all but bolts have.
@@ -36,6 +38,7 @@ impl Owner {
             Self::Body(_) => "body",
             Self::Obstacle(_) => "obstacle",
             Self::Point(..) => "couple",
+            Self::Gasket(_) => "gasket",
             Self::Bed(..) => "bed",
             Self::Member(of) => model.members[of].kind.words().key,
         }
@@ -50,6 +53,7 @@ impl Owner {
             Self::Point(of, couple) => {
                 format!("{}.{}", body(of).name, body(of).couples[couple].name)
             }
+            Self::Gasket(of) => format!("gasket of {}", model.contacts[of].name),
             Self::Bed(of, _) => format!("bed of {}", body(of).name),
             Self::Member(of) => model.members[of].name.clone(),
         }
@@ -76,7 +80,10 @@ impl Parts {
         });
         let owners = (0..model.bodies.len()).map(Owner::Body);
         let owners = owners.chain(obstacles.map(|(contact, _)| Owner::Obstacle(contact)));
-        let owners = owners.chain(points).chain(beds);
+        let gaskets = model.contacts.iter().enumerate();
+        let gaskets = gaskets.filter(|(_, contact)| contact.gasket.is_some());
+        let gaskets = gaskets.map(|(contact, _)| Owner::Gasket(contact));
+        let owners = owners.chain(points).chain(gaskets).chain(beds);
         // a bolt joins the two sides of a cut without a part between them
         let members = model.members.iter().enumerate();
         let members = members.filter(|(_, member)| member.kind.bolt().is_none());
@@ -148,7 +155,7 @@ pub(crate) fn rigid_systems<const D: usize>(
             let body = &model.bodies[of];
             Some(point(body, &body.couples[couple]))
         }
-        Owner::Body(_) | Owner::Bed(..) | Owner::Member(_) => None,
+        Owner::Body(_) | Owner::Gasket(_) | Owner::Bed(..) | Owner::Member(_) => None,
     });
     systems.collect()
 }

@@ -102,7 +102,7 @@ pub(crate) fn share_nodes<const D: usize>(
         }
     }
     for (contact, rows) in dropped {
-        conditions[contact].interface.drop_rows(&rows);
+        conditions[contact].drop_rows(&rows);
     }
 }
 
@@ -135,14 +135,15 @@ fn repeated<const D: usize>(
     nodes.map(|node| node as usize).collect()
 }
 
-/// A contact that may share nodes: its gaps do not vary, and its obstacle does not move.
+/// A contact that may share nodes: its gaps do not vary, its obstacle does not move, and there is no gasket in it.
 fn may_share<const D: usize>(model: &Model<D>, condition: &Condition<D>) -> bool {
     let moved = |contact: &Contact<D>| match &contact.pair {
         Pair::Obstacle { obstacle, .. } => matches!(obstacle.motion, Motion::Loaded(_)),
         _ => false,
     };
     let contact = condition.contact_of(model);
-    contact.is_some_and(|c| !gap_varies(c) && !moved(c))
+    // gaskets in two contacts are springs beside each other
+    contact.is_some_and(|c| !gap_varies(c) && !moved(c) && c.gasket.is_none())
 }
 
 fn is_tied<const D: usize>(contact: &Contact<D>) -> bool {

@@ -10,6 +10,7 @@
 //! * friction counts from the positions of the sides of a contact when its stage began, B u of the last step in the present
 //!   directions of the tangents: slips stay when a support of a side goes, and a contact or an obstacle that comes has no slip;
 //! * a joint that comes is whole where its sides are not apart then, g₀ + B (u_a − u), whether or not one of its bodies comes, too;
+//! * a gasket keeps the closure of its largest pressure, whatever else comes or goes;
 //! * a body that goes leaves, where it is released, the forces −Bᵀλ of its last step on its neighbours, times the remaining part
 //!   of them at a time.
 //!
@@ -25,6 +26,8 @@ use crate::model::nouns::presence::{Presence, Stage, places};
 use crate::model::nouns::solution::Solution;
 use crate::model::system::bolt::keep;
 use crate::model::system::condition::{Condition, Fit, Source, obstacle_motion, row_ranges};
+use crate::model::system::drive::Before;
+use crate::model::system::filling::Filling;
 use crate::model::system::joints::Lost;
 use crate::model::system::parts::Owner;
 use rayon::prelude::*;
@@ -73,6 +76,8 @@ struct Record {
     dissipated: f64,
     /// Nodes at which a joint has parted or slipped.
     lost: Option<Lost>,
+    /// State of a gasket.
+    filling: Option<Filling>,
 }
 
 /// The state of a whole model that a load step passes on to the next one; empty before the first step.
@@ -173,12 +178,13 @@ impl<const D: usize> State<D> {
         yielded: AllYielded,
     ) {
         self.load = Some((solution.time, load.to_vec()));
-        self.forces = Some(forces);
         for ((rows, condition), lost) in row_ranges(conditions).zip(lost) {
             let record = self.records.entry(condition.name.clone()).or_default();
+            record.filling = condition.filled_after(&forces.lambda[rows.clone()]);
             record.slip = Some(slip[rows].to_vec());
             record.lost = Some(Lost::of(condition, lost));
         }
+        self.forces = Some(forces);
         self.obstacles.clear();
         for contact in &solution.contacts {
             let record = self.records.entry(contact.name.clone()).or_default();
@@ -217,7 +223,7 @@ impl<const D: usize> State<D> {
         if let (Some(conditions), Some(forces)) = (last, &forces) {
             self.release(model, &next, (conditions, &forces.lambda));
             // the rows change; plastic elongations of members stay
-            for condition in conditions.iter().filter(|c| c.elastic.is_none()) {
+            for condition in conditions.iter().filter(|c| !c.is_link()) {
                 let record = self.records.get_mut(&condition.name);
                 record.into_iter().for_each(|record| record.slip = None);
             }
@@ -297,7 +303,14 @@ impl<const D: usize> State<D> {
                 .map(|(thing, birth)| (thing.clone(), birth.step))
                 .collect::<Vec<_>>()
         };
-        self.presence == other.presence && came(self) == came(other)
+        let fillings = |state: &Self| {
+            let records = state.records.iter();
+            let filled = records.filter_map(|(name, r)| Some((name.clone(), r.filling.clone()?)));
+            filled.collect::<Vec<_>>()
+        };
+        self.presence == other.presence
+            && came(self) == came(other)
+            && fillings(self) == fillings(other)
     }
 
     /// History of each body of the stage: its later supports and springs, released forces and plastic strain.
@@ -344,9 +357,20 @@ impl<const D: usize> State<D> {
         record.map_or(0.0, |record| record.dissipated)
     }
 
-    /// State of the nodes of a joint, by the name of its contact.
-    pub fn lost(&self, contact: &str) -> Option<&Lost> {
-        self.records.get(contact)?.lost.as_ref()
+    /// The same state, with gaskets in other ones, by the names of their contacts.
+    pub fn with_fillings(&self, fillings: Vec<(String, Filling)>) -> Self {
+        let mut state = self.clone();
+        for (name, filling) in fillings {
+            state.records.entry(name).or_default().filling = Some(filling);
+        }
+        state
+    }
+
+    /// State of the nodes of a joint, and of a gasket, by the name of their contact.
+    pub fn before(&self, contact: &str) -> Before<'_> {
+        let record = self.records.get(contact);
+        let lost = record.and_then(|record| record.lost.as_ref());
+        (lost, record.and_then(|record| record.filling.as_ref()))
     }
 
     /// The slip from which friction counts, in all rows (m,): relative motions of the sides of contacts, and plastic elongations of members.
@@ -404,7 +428,9 @@ impl<const D: usize> State<D> {
                 }
                 // contacts are fitted, and points of couples come with their bodies
                 Source::Contact(_)
-                | Source::Of(Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..)) => None,
+                | Source::Of(
+                    Owner::Body(_) | Owner::Obstacle(_) | Owner::Point(..) | Owner::Gasket(_),
+                ) => None,
             };
             let Some(birth) = birth else { continue };
             let mut came_with = vec![0.0; condition.came_with.len()];

@@ -1,0 +1,78 @@
+//! State of a gasket (`gasket.rs`): what stays of its closure at each node, and the line of its law that holds there.
+
+use crate::model::nouns::gasket::{Branch, Gasket};
+use std::collections::BTreeMap;
+
+/// The state of a gasket at a node.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Pressed {
+    /// Closure that stays without pressure.
+    pub set: f64,
+    /// The line that holds, by its number.
+    pub branch: usize,
+}
+
+/// The state of a gasket at all nodes of its contact.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Filling {
+    pub law: Gasket,
+    /// The side that carries the multipliers.
+    pub side: (String, bool),
+    /// By place.
+    pub nodes: Vec<Pressed>,
+}
+
+/// Pressures are on a line up to this part of the largest one.
+const ON_LINE: f64 = 1e-9;
+
+impl Filling {
+    /// The line of a state.
+    pub fn line(&self, at: Pressed) -> Branch {
+        let branches = self.law.branches(at.set);
+        let own = branches.iter().find(|branch| branch.id == at.branch);
+        *own.unwrap_or(&branches[0])
+    }
+
+    /// The closure at a node of this place on its line, at a pressure.
+    pub fn closure(&self, place: usize, pressure: f64) -> f64 {
+        let line = self.line(self.nodes[place]);
+        line.set + line.softness * pressure
+    }
+
+    /// The state after a step with these pressures, by place: what stays of the largest closure.
+    pub fn after(&self, pressures: &BTreeMap<usize, f64>) -> Self {
+        let mut after = self.clone();
+        for (&place, &pressure) in pressures {
+            let at = &mut after.nodes[place];
+            let set = self.law.set_by(pressure);
+            if set > at.set * (1.0 + ON_LINE) {
+                at.set = set;
+            }
+        }
+        after
+    }
+
+    /// The same with the lines on which these pressures lie, or towards which they point by `far` lines at most; `None` where all lie on
+    /// their lines.
+    pub fn on_lines_of(&self, pressures: &BTreeMap<usize, f64>, far: usize) -> Option<Self> {
+        let largest = pressures.values().fold(0.0, |most: f64, p| most.max(*p));
+        let rounding = ON_LINE * largest;
+        let mut next = self.clone();
+        for (&place, &pressure) in pressures {
+            let at = &mut next.nodes[place];
+            let branches = self.law.branches(at.set);
+            let own = branches.iter().position(|branch| branch.id == at.branch);
+            let own = own.unwrap_or(0);
+            let inside = |branch: &Branch| {
+                pressure >= branch.low - rounding && pressure <= branch.high + rounding
+            };
+            if inside(&branches[own]) {
+                continue;
+            }
+            let there = branches.iter().position(inside).unwrap_or(own);
+            let goal = there.clamp(own.saturating_sub(far), own.saturating_add(far));
+            at.branch = branches[goal].id;
+        }
+        (next != *self).then_some(next)
+    }
+}
