@@ -24,7 +24,7 @@ use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
 use crate::model::system::condense::{Condensed, linearise};
 use crate::model::system::condition::{Condition, contact_rows, row_ranges};
-use crate::model::system::filling::Filling;
+use crate::model::system::filling::{Filling, Moves};
 use crate::model::system::state::State;
 use crate::solve::ContactSolver;
 use std::mem::take;
@@ -249,9 +249,10 @@ impl<'m, const D: usize> March<'m, D> {
     }
 }
 
-/// Most solutions of a step with gaskets, and of these those at first whose lines may lie anywhere; later the next lines follow.
-const MOST_TURNS: usize = 200;
-const FREE_TURNS: usize = 4;
+/// Most solutions of a step with gaskets; up to which of them their nodes take the lines on which they lie, and the next ones.
+const MOST_TURNS: usize = 1000;
+const TURNS_OF_ALL: usize = 4;
+const TURNS_TO_NEXT: usize = 40;
 
 /// The gaskets whose pressures lie on other lines than those with which a step was solved, by contact; `None` where there is none.
 fn refilled<const D: usize>(
@@ -260,12 +261,17 @@ fn refilled<const D: usize>(
     turns: usize,
 ) -> Option<Vec<(String, Filling)>> {
     let forces = solved.as_ref().ok()?.0.forces.as_ref()?;
-    let far = if turns < FREE_TURNS { usize::MAX } else { 1 };
+    let moves = match turns {
+        0..TURNS_OF_ALL => Moves::All,
+        TURNS_OF_ALL..TURNS_TO_NEXT => Moves::Next,
+        _ => Moves::First,
+    };
     let refilled = contact_rows(&here.conditions).filter_map(|(_, (rows, condition))| {
-        let filling = condition.filled_otherwise(&forces.lambda[rows], far)?;
+        let filling = condition.filled_otherwise(&forces.lambda[rows], moves)?;
         Some((condition.name.clone(), filling))
     });
-    let refilled: Vec<(String, Filling)> = refilled.collect();
+    let one = if moves == Moves::First { 1 } else { usize::MAX };
+    let refilled: Vec<(String, Filling)> = refilled.take(one).collect();
     (!refilled.is_empty()).then_some(refilled)
 }
 

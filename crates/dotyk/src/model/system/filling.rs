@@ -22,6 +22,17 @@ pub(crate) struct Filling {
     pub nodes: Vec<Pressed>,
 }
 
+/// Which nodes take other lines after a solution, and which ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Moves {
+    /// All, the lines on which their pressures lie: fast.
+    All,
+    /// All, the next ones.
+    Next,
+    /// The first one alone, the next one: no set of lines comes twice, but there are many of them. Murty's rule of the least index.
+    First,
+}
+
 /// Pressures are on a line up to this part of the largest one.
 const ON_LINE: f64 = 1e-9;
 
@@ -52,9 +63,8 @@ impl Filling {
         after
     }
 
-    /// The same with the lines on which these pressures lie, or towards which they point by `far` lines at most; `None` where all lie on
-    /// their lines.
-    pub fn on_lines_of(&self, pressures: &BTreeMap<usize, f64>, far: usize) -> Option<Self> {
+    /// The same with other lines, those on which these pressures lie or towards them; `None` where all lie on their lines.
+    pub fn on_lines_of(&self, pressures: &BTreeMap<usize, f64>, moves: Moves) -> Option<Self> {
         let largest = pressures.values().fold(0.0, |most: f64, p| most.max(*p));
         let rounding = ON_LINE * largest;
         let mut next = self.clone();
@@ -70,8 +80,14 @@ impl Filling {
                 continue;
             }
             let there = branches.iter().position(inside).unwrap_or(own);
-            let goal = there.clamp(own.saturating_sub(far), own.saturating_add(far));
+            let goal = match moves {
+                Moves::All => there,
+                Moves::Next | Moves::First => there.clamp(own.saturating_sub(1), own + 1),
+            };
             at.branch = branches[goal].id;
+            if moves == Moves::First && goal != own {
+                break;
+            }
         }
         (next != *self).then_some(next)
     }

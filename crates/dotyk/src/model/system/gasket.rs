@@ -5,15 +5,17 @@
 //! ```
 //!
 //! with the weight w of the node (`nouns/gasket.rs`). The problem of a step has one line for each node; where the pressure lies beyond the
-//! ends of its line the next one is taken, and the step is solved again, until all lie within theirs: then the law holds exactly. With growing
-//! pressure the lines are those of a growing function, so that in one node alone no line is taken twice; for many nodes the number of turns
-//! is bounded.
+//! ends of its line another one is taken, and the step is solved again, until all lie within theirs: then the law holds exactly. Lines of a
+//! growing function lead from one to the next, so that a node alone takes none twice. Many nodes at once may; then they follow one by one,
+//! the first of those that lie beyond their lines, which ends as the complementarity problem of such lines has a positive matrix.
+//!
+//! Source of the last rule: K. G. Murty, Note on a Bard-type scheme for solving the complementarity problem (1974).
 
 use crate::contact::{ContactError, Row};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::condition::{Condition, Elastic};
-use crate::model::system::filling::{Filling, Pressed};
+use crate::model::system::filling::{Filling, Moves, Pressed};
 use crate::model::system::joints::carrying;
 use crate::model::system::links::{axis, less};
 use crate::model::system::parts::{Owner, Parts};
@@ -113,9 +115,9 @@ impl<const D: usize> Condition<D> {
         Some(filling.after(&self.pressures(lambda)))
     }
 
-    /// Its gasket on other lines, at most so `far` from those on which it was; `None` if the forces lie on these.
-    pub fn filled_otherwise(&self, lambda: &[f64], far: usize) -> Option<Filling> {
+    /// Its gasket on other lines; `None` if the forces lie on those that it has.
+    pub fn filled_otherwise(&self, lambda: &[f64], moves: Moves) -> Option<Filling> {
         let filling = self.touch.filling.as_ref()?;
-        filling.on_lines_of(&self.pressures(lambda), far)
+        filling.on_lines_of(&self.pressures(lambda), moves)
     }
 }
