@@ -140,7 +140,7 @@ mod tests {
             (
                 "pressure",
                 keys::BODY,
-                Some("`pressure` is a key of `load`"),
+                Some("`pressure` is a key of `load` and `gasket`"),
             ),
             (
                 "thicknes",

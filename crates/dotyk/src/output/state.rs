@@ -1,4 +1,4 @@
-//! `state.bin`: plastic strains of each body in each load step, from which a run goes on.
+//! `state.bin`: strains without stress of each body in each load step, plastic or kept, from which a run goes on.
 //!
 //! ```text
 //!   dotyk state 1\n

@@ -223,9 +223,16 @@ mod tests {
                     let at = |b: &Branch| b.set + b.softness * pair[0].high;
                     assert!((at(&pair[0]) - at(&pair[1])).abs() < 1e-12, "{pair:?}");
                 }
-                // unloading ends where loading ended, or beyond it where lines are as steep
-                if unloading.is_some() && most > 0.0 {
-                    assert!(branches[0].id == 0 && branches[0].high >= most * (1.0 - 1e-12));
+                // it comes back from the largest pressure, each way
+                for part in [0.0, 0.4, 1.0] {
+                    let p = part * most;
+                    let own = branches.iter().find(|b| p <= b.high).unwrap();
+                    let law = match unloading {
+                        Some(k) => law.loading(most) - (most - p) / k,
+                        None => law.loading(p),
+                    };
+                    let found = own.set + own.softness * p;
+                    assert!((found - law).abs() < 1e-12, "{most} {p}: {found} {law}");
                 }
                 // loading goes on along the table
                 let last = branches[branches.len() - 1];

@@ -18,6 +18,8 @@ pub(crate) struct Filling {
     pub law: Gasket,
     /// The side that carries the multipliers.
     pub side: (String, bool),
+    /// Its nodes, by place.
+    pub carriers: Vec<usize>,
     /// By place.
     pub nodes: Vec<Pressed>,
 }

@@ -47,18 +47,20 @@ pub(crate) fn fill<'s, const D: usize>(
                 why: error.to_string(),
             })
         })?;
-        let count = condition.interface.nodes.len();
+        let nodes = condition.interface.nodes.iter();
+        let carriers: Vec<usize> = nodes.map(|node| node.node).collect();
         let side = carrying(condition);
         let filling = match before(&contact.name) {
-            Some(known) if known.side == side && known.nodes.len() == count => known.clone(),
+            Some(known) if known.side == side && known.carriers == carriers => known.clone(),
             Some(known) if known.nodes.iter().any(|at| at.set > 0.0) => {
-                let why = "the side that carries its forces has changed, by supports or parts that have come or gone: name `nonmortar` and `mortar` of the contact".to_string();
+                let why = "the nodes that carry its forces have changed, by supports or parts that have come or gone: name `nonmortar` and `mortar` of the contact".to_string();
                 return Err(fail(ContactError::Gasket { why }));
             }
             _ => Filling {
                 law: law.clone(),
                 side,
-                nodes: vec![Pressed::default(); count],
+                nodes: vec![Pressed::default(); carriers.len()],
+                carriers,
             },
         };
         let mut elastic = Elastic::default();
