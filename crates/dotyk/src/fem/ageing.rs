@@ -14,7 +14,8 @@
 //! at the points of integration of the stiffness, where it is kept and acts as plastic strain does (`plastic.rs`): as a load.
 //! Poisson's ratio does not change.
 //!
-//! Source: the law of rate form; for tunnels R. Pöttler, Time-dependent rock–shotcrete interaction (1990), takes a smaller constant E instead.
+//! Source: the elastic law in rates; in practice a smaller constant modulus often stands for it, R. Pöttler, Time-dependent rock–shotcrete
+//! interaction, Computers and Geotechnics 9 (1990).
 
 use crate::fem::error::FemError;
 use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, Material};
@@ -102,7 +103,8 @@ impl<const D: usize> Body<D> {
         Err(FemError::Ages { why })
     }
 
-    /// The strains that bear nothing after its moduli have become those of `next`, from those of `before`, under nodal displacements at a time.
+    /// The strains that bear nothing after its moduli have become those of `next`, from those of `before`, under nodal displacements at a
+    /// time.
     ///
     /// Errors: a group of cells without a material; an initial strain that is not finite.
     pub(crate) fn aged(

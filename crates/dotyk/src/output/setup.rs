@@ -275,7 +275,9 @@ pub fn name_parts<const D: usize>(
     }
     more(svg, &mut flow, model.bodies.len(), "bodies");
     for (i, contact) in model.contacts.iter().enumerate().take(NAMED) {
-        let at = flow.explain(svg, &format!("contact {} ({})", contact.name, contact.law));
+        let filled = contact.gasket.as_ref().map_or("", |_| ", gasket");
+        let law = format!("contact {} ({}{filled})", contact.name, contact.law);
+        let at = flow.explain(svg, &law);
         let y = at[1] - 4.0;
         svg.line([at[0], y], [at[0] + 16.0, y], SERIES[i % SERIES.len()], 2.6);
     }

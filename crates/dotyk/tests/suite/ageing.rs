@@ -4,7 +4,7 @@
 
 use crate::links::{near, refused, solved};
 use dotyk::case::Case;
-use dotyk::model::Solution;
+use dotyk::model::{Past, Solution};
 
 /// A bar along x with E = 10, 20, 40 at t = 1, 2, 3, held at its left end, and free to contract.
 fn bar(keys: &str, more: &str) -> String {
@@ -106,16 +106,18 @@ fn a_tube_that_hardens_is_a_sum_of_increments() {
             let mut u = 0.0;
             for (step, (e, p)) in steps.iter().zip([(200.0, 1.0), (300.0, 1.0), (500.0, 2.0)]) {
                 u += moves(e, p);
-                near(step.bodies[0].displacement[place][0], u, 1e-4);
+                // cells of second order on the circle: 3e-5
+                near(step.bodies[0].displacement[place][0] / u, 1.0, 1e-4);
                 let radial = step.bodies[0].stress[place][0];
-                near(radial, -step.time, 2e-2);
+                // at the rim, recovered: 1 %
+                near(radial / step.time, -1.0, 2e-2);
             }
         }
     }
 }
 
-/// A lining that comes in a bore, in contact with friction, and hardens while the ground is released: three steps beside ten times as many
-/// of which only three change anything, in space too; and a run that goes on from its middle.
+/// A lining in a bore, in contact with friction, that hardens while the ground is loaded: steps in which neither load nor modulus changes
+/// change nothing, and a run that goes on from its middle is the whole run.
 #[test]
 fn steps_without_a_change_change_nothing() {
     let text = |times: &[f64]| {
@@ -145,11 +147,21 @@ fn steps_without_a_change_change_nothing() {
     let reference = last(&up_to_three);
     for (a, b) in many.bodies.iter().zip(&reference.bodies) {
         for (a, b) in a.displacement.iter().zip(&b.displacement) {
-            near(a[0], b[0], 1e-9);
-            near(a[1], b[1], 1e-9);
+            // of displacements of some 1e-3
+            near(1e3 * a[0], 1e3 * b[0], 1e-9);
+            near(1e3 * a[1], 1e3 * b[1], 1e-9);
         }
     }
     assert_ne!(few.bodies[1].displacement, reference.bodies[1].displacement);
+    let (model, whole) = solved(&text(&[1.0, 1.9, 2.0, 3.0]));
+    let past: Vec<Past<2>> = whole[..2].iter().map(Past::from).collect();
+    let on = model.solve_steps_after(&past, &mut |_| {}).unwrap();
+    for (a, b) in last(&on).bodies.iter().zip(&last(&whole).bodies) {
+        assert_eq!(a.inelastic.is_some(), a.name == "lining");
+        for (a, b) in a.displacement.iter().zip(&b.displacement) {
+            near(1e3 * a[0], 1e3 * b[0], 1e-9);
+        }
+    }
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //!
 //! Blocks of Young's modulus 1e12 on beds of 1e2 … 1e6 are rigid to 1e-5; other tolerances are told where they stand.
 
+use crate::friction::Random;
 use crate::links::{near, refused};
 use dotyk::case::Case;
 use dotyk::model::{BedSolution, Reuse, Solution};
@@ -147,13 +148,8 @@ fn a_stiffness_that_varies_sinks_evenly_under_its_centroid() {
 /// that only presses is the other one.
 #[test]
 fn pressures_balance_the_loads_whatever_the_stiffness() {
-    let mut seed = 7u64;
-    let mut random = move || {
-        seed = seed
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (seed >> 33) as f64 / f64::from(1u32 << 31)
-    };
+    let mut numbers = Random(7);
+    let mut random = || numbers.unit();
     for _ in 0..8 {
         let [a, b, c] = [random(), random(), random()];
         let stiffness = format!("100*(0.3 + {a}*x + {b}*(2 - x)^2 + {c}*sin(x)^2)");

@@ -2,6 +2,7 @@
 //!
 //! Tolerances are rounding unless they say otherwise: 1e-10 of the largest value for fields, 1e-12 for what rows say exactly.
 
+use crate::friction::Random;
 use dotyk::case::Case;
 use dotyk::fem::{assemble, quadrature::gauss};
 use dotyk::geometry::{Field, Point, add_scaled, cross, distance, dot, norm, sub};
@@ -282,19 +283,6 @@ fn dense_solve(mut matrix: Vec<Vec<f64>>, mut rhs: Vec<f64>) -> Vec<f64> {
         rhs[k] = (rhs[k] - known) / matrix[k][k];
     }
     rhs
-}
-
-/// Numbers in (-1, 1) by a linear congruence.
-struct Random(u64);
-
-impl Random {
-    fn signed(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
 }
 
 /// The rigid motions of the plane about a point, at r from it.

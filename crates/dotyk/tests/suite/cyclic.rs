@@ -301,7 +301,7 @@ fn a_rim_held_along_its_normal_lets_the_whole_turn() {
     let (model, steps) = solved(ring);
     let moved = &steps[0].bodies[0].displacement;
     for (x, u) in model.bodies[0].mesh.points().iter().zip(moved) {
-        // shear on the spring alone: the ring turns as it is, by 0.1/20
+        // shear on the spring alone: the ring turns as it is, by 0.1/20, but for the chords of its cells
         assert!((u[0] + 0.005 * x[1]).abs() < 1e-6, "{x:?} {u:?}");
         assert!((u[1] - 0.005 * x[0]).abs() < 1e-6, "{x:?} {u:?}");
     }

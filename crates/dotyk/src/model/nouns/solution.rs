@@ -91,7 +91,7 @@ pub struct ContactNode<const D: usize> {
     pub normal: Point<D>,
     /// ∫ψ of the node's multiplier (area, times thickness or 2πr); all positive.
     pub weight: f64,
-    /// Gap after deformation, ≥ 0 open; NaN where nothing is opposite.
+    /// Gap after deformation, ≥ 0 open, of a gasket minus its closure; NaN where nothing is opposite.
     pub gap: f64,
     /// Contact pressure λ / weight, ≥ 0 compression; NaN where fixed.
     pub pressure: f64,

@@ -7,8 +7,8 @@
 //!   t = −kₜ (1 − n⊗n)(u − u_a)           ON the body
 //! ```
 //!
-//! Springs of one side are one bed: p and t are their sums, and the gap is the smallest of those that only press. The resultant is the sum of their
-//! nodal forces.
+//! Springs of one side are one bed: p and t are their sums, and the gap is the smallest of those that only press. The resultant is the
+//! sum of their nodal forces.
 
 use crate::dual::NONE;
 use crate::fem::{Bed, Pad, Spring, pads};

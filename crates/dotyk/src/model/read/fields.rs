@@ -421,8 +421,7 @@ fn contact_solution<const D: usize>(
     let coupling = condition.interface.coupling;
     // projected methods leave small forces where a contact is open
     let none = NONE * borne.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
-    let closures = condition.closures(lambda);
-    let node_state = |node: &InterfaceNode<D>| {
+    let node_state = |(place, node): (usize, &InterfaceNode<D>)| {
         let u_nonmortar = states[condition.nonmortar.body.0].u[node.node];
         let u_mortar = match &condition.mortar {
             Some(_) if node.opposite.is_empty() => None,
@@ -461,8 +460,8 @@ fn contact_solution<const D: usize>(
                     (_, Some(Shear::Slip { .. } | Shear::Smooth)) => Status::Slip,
                 };
                 // of a gasket it is minus the closure
-                let closure = closures.get(&node.node).copied().unwrap_or(0.0);
-                (gaps[row] - closure, lambda[row] / node.weight, status)
+                let gap = gaps[row] - condition.closure(place, lambda).unwrap_or(0.0);
+                (gap, lambda[row] / node.weight, status)
             }
             (role, _) => {
                 let gap = node.gap + along(fitted) - displacement_nonmortar + displacement_mortar;
@@ -494,7 +493,13 @@ fn contact_solution<const D: usize>(
             status,
         }
     };
-    let nodes: Vec<ContactNode<D>> = condition.interface.nodes.iter().map(node_state).collect();
+    let nodes: Vec<ContactNode<D>> = condition
+        .interface
+        .nodes
+        .iter()
+        .enumerate()
+        .map(node_state)
+        .collect();
     let touching = |n: &ContactNode<D>| n.status != Status::Open && n.status != Status::Fixed;
     let length = |counts: &dyn Fn(&ContactNode<D>) -> bool| {
         let extents = nodes.iter().zip(&condition.interface.nodes);

@@ -4,8 +4,9 @@
 //!   gap = g₀ − Σ B_part u_part,        λ = offset + μ,  μ ∈ Λ of its law
 //! ```
 //!
-//! Contacts (`contact.rs`), couples (`couple.rs`), sectors (`cyclic.rs`), bolts (`bolt.rs`), and beds and members (`links.rs`) are made
-//! in files of their own; all later code uses rows, gaps and laws only, and needs the source just to report results.
+//! Contacts (`contact.rs`), what fills them (`gasket.rs`), couples (`couple.rs`), sectors (`cyclic.rs`), bolts (`bolt.rs`), and beds and
+//! members (`links.rs`) are made in files of their own; all later code uses rows, gaps and laws only, and needs the source just to report
+//! results.
 
 use crate::contact::{Interface, InterfaceNode, Role, Row, Sample};
 use crate::dual::Block;

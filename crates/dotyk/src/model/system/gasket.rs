@@ -99,16 +99,17 @@ impl<const D: usize> Condition<D> {
         Some(filling.closure(place, lambda[node.rows[0]?] / node.weight))
     }
 
-    /// The largest closure of a gasket at each node of the nonmortar side under such forces; empty without one.
+    /// How far each node of the nonmortar side has come into a gasket under such forces, at a corner into both faces at once; empty without
+    /// one.
     pub fn closures(&self, lambda: &[f64]) -> BTreeMap<usize, f64> {
-        let mut most: BTreeMap<usize, f64> = BTreeMap::new();
+        let mut deep: BTreeMap<usize, f64> = BTreeMap::new();
         for (place, node) in self.interface.nodes.iter().enumerate() {
             if let Some(closure) = self.closure(place, lambda) {
-                let own = most.entry(node.node).or_default();
-                *own = own.max(closure);
+                let own = deep.entry(node.node).or_default();
+                *own = own.hypot(closure);
             }
         }
-        most
+        deep
     }
 
     /// The state of its gasket after a step with such forces.
