@@ -298,7 +298,13 @@ fn results<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
     );
     if steps.len() > 1 {
         text += &format!("\n{}", contacts_of_steps(model, steps));
-        text += &format!("\nlast step, t = {}\n", number(last.time));
+        let from = last.counted_from.map(number);
+        let from = from.map(|t| format!(", displacements from the end of that at t = {t}"));
+        text += &format!(
+            "\nlast step, t = {}{}\n",
+            number(last.time),
+            from.unwrap_or_default()
+        );
     }
     for table in [
         contacts(model, last),

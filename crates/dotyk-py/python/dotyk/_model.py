@@ -523,19 +523,25 @@ class Model:
     def section(
         self,
         name: str,
-        body: str,
-        sides: Sequence[Any],
+        body: str | None = None,
+        sides: Sequence[Any] | None = None,
         stations: Any = None,
         capacity: Table | None = None,
         reinforcement: Sequence[Table] | None = None,
+        bodies: Sequence[str | Body] | None = None,
     ) -> Model:
-        """Adds a section: N, V and M on cuts between two sides of a body, by equilibrium.
+        """Adds a section: N, V and M on cuts between two sides of a body, or of several bodies, by equilibrium.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
         >>> _ = m.body("ring", dotyk.ring(1, 1.2, cells=[32, 2]), young=1, poisson=0.3)
         >>> _ = m.section("hoop", body="ring", sides=["inner", "outer"], stations=8)
+        >>> _ = m.body("shell", dotyk.ring(0.9, 1, cells=[30, 2]), young=1, poisson=0.3)
+        >>> _ = m.section("both", bodies=["ring", "shell"], sides=["shell.inner", "ring.outer"], stations=8)
         """
+        body = body.name if isinstance(body, Body) else body
+        if bodies is not None:
+            bodies = [one.name if isinstance(one, Body) else one for one in bodies]
         return self._add("section", locals())
 
     @keywords
@@ -648,14 +654,15 @@ class Model:
         return self._add("probe", locals())
 
     @keywords
-    def step(self, time: float, name: str | None = None) -> Model:
-        """Adds a load step at a time, with a name that ``active`` may use.
+    def step(self, time: float, name: str | None = None, zero_displacements: bool | None = None) -> Model:
+        """Adds a load step at a time, with a name that ``active`` may use. With ``zero_displacements`` the displacements of results count
+        from the end of the step before.
 
         >>> import dotyk
-        >>> _ = dotyk.Model("plane-strain").step(0.5, name="excavation").step(1.0, name="lining")
+        >>> _ = dotyk.Model("plane-strain").step(0.5, name="excavation").step(1.0, name="lining", zero_displacements=True)
         """
         steps = self._lists["step"]
-        entry = {"name": name, "time": time}
+        entry = {"name": name, "time": time, "zero_displacements": zero_displacements}
         self._try({"body": [_ANY[self.dimension]], "step": [*steps, entry]})
         steps.append(entry)
         return self

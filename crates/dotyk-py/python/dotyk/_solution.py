@@ -680,6 +680,8 @@ class Solution(_Frozen):
     step: int
     name: str | None
     time: float
+    #: With ``zero_displacements``: the time of the step at whose end displacements are zero.
+    displacements_from: float
     converged: bool
     solver: str
     iterations: int

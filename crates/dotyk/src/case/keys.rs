@@ -278,6 +278,7 @@ pub const FRICTION: &[&str] = &["coulomb", "tresca", "cohesion", "tension"];
 pub const SECTION: &[&str] = &[
     "name",
     "body",
+    "bodies",
     "sides",
     "stations",
     "capacity",
@@ -292,7 +293,7 @@ pub const MEMBER_END: &[&str] = &["side"];
 /// `[solver]`.
 pub const SOLVER: &[&str] = &["method", "tolerance", "max_iterations", "rho", "bolt"];
 /// `[[step]]`.
-pub const STEP: &[&str] = &["name", "time"];
+pub const STEP: &[&str] = &["name", "time", "zero_displacements"];
 /// `active` of anything but a body.
 pub const ACTIVE: &[&str] = &["from", "until"];
 /// `active` of a body.

@@ -465,6 +465,7 @@ where
         probes,
         times: steps.times,
         step_names: steps.names,
+        zeroed: steps.zeroed,
         parameters: Vec::new(),
     };
     for (member, node) in model.members.iter().zip(nodes) {

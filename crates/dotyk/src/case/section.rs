@@ -1,11 +1,14 @@
-//! `[[section]]` of a case file: the body, its cuts, and its capacity.
+//! `[[section]]` of a case file: its bodies, their cuts, and the capacity.
 
-use crate::case::body::side;
-use crate::case::document::{Node, Table, Value, coordinates, name};
+use crate::case::body::{joined, side};
+use crate::case::document::{Node, Span, Table, Value, coordinates, name};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::{named_body, place};
-use crate::model::{Body, BodyId, Capacity, Reinforcement, Section, SectionError, Stations};
+use crate::model::{
+    Body, BodyId, Capacity, Reinforcement, Section, SectionError, SideRef, Stations,
+};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Most stations: each is a row for each step.
@@ -19,8 +22,7 @@ pub(crate) fn section<const D: usize>(
     let table = node.table(keys::SECTION)?;
     let name = name(table.require("name", "a section")?)?;
     let what = format!("section `{name}`");
-    let of = table.require("body", &what)?;
-    let body = named_body(of.text()?, &of.span, bodies)?;
+    let own = own_bodies(table, &what, bodies)?;
     let sides_node = table.require("sides", &what)?;
     let [first, second] = sides_node.list()? else {
         let message = format!("{what} needs two sides");
@@ -28,24 +30,115 @@ pub(crate) fn section<const D: usize>(
             .label("not two")
             .help("`sides = [\"inner\", \"outer\"]`: the long sides of the body, the first on the left of s"));
     };
-    let mut side_of = |node: &Node| {
-        let Body { name, mesh, .. } = &mut bodies[body];
-        side(node, name, Arc::make_mut(mesh))
+    let sides = match own[..] {
+        [body] if table.get("body").is_some() => {
+            let mut side_of = |node: &Node| {
+                let Body { name, mesh, .. } = &mut bodies[body];
+                let side = side(node, name, Arc::make_mut(mesh))?;
+                let body = BodyId(body);
+                Ok(vec![SideRef { body, side }])
+            };
+            [side_of(first)?, side_of(second)?]
+        }
+        _ => [along(first, &own, bodies)?, along(second, &own, bodies)?],
     };
-    let sides = [side_of(first)?, side_of(second)?];
     let stations_node = table.require("stations", &what)?;
     let stations = stations(stations_node, bodies)?;
     let capacity = capacity(table, &what)?;
     let section = Section {
         name,
-        body: BodyId(body),
+        bodies: own.into_iter().map(BodyId).collect(),
         sides,
         stations,
         capacity,
     };
-    let wrong = section.check(&bodies[body]);
+    let wrong = section.check(bodies);
     wrong.map_err(|error| fault(&error, table, &what))?;
     Ok(section)
+}
+
+/// The bodies of a section: `body`, or `bodies`, each once.
+fn own_bodies<const D: usize>(
+    table: Table<'_>,
+    what: &str,
+    bodies: &[Body<D>],
+) -> Result<Vec<usize>, Fault> {
+    let one = |node: &Node| named_body(node.text()?, &node.span, bodies);
+    let Some(entry) = table.entry("bodies") else {
+        return Ok(vec![one(table.require("body", what)?)?]);
+    };
+    if table.get("body").is_some() {
+        let message = format!("{what} has `body` and `bodies`");
+        return Err(Fault::new(&entry.key_span, message)
+            .label("beside `body`")
+            .help("name one body, or list all in `bodies`"));
+    }
+    let list = entry.node.list()?;
+    if list.is_empty() {
+        let message = format!("{what}: the list of bodies is empty");
+        return Err(Fault::new(&entry.node.span, message).label("no body"));
+    }
+    let mut own = Vec::new();
+    for node in list {
+        let body = one(node)?;
+        if own.contains(&body) {
+            let message = format!("{what} names the body `{}` twice", bodies[body].name);
+            return Err(Fault::new(&node.span, message).label("second time"));
+        }
+        own.push(body);
+    }
+    Ok(own)
+}
+
+/// A long side along several bodies: a name or a list of names, each "BODY.SIDE", or that of a side of any of the bodies.
+fn along<const D: usize>(
+    node: &Node,
+    own: &[usize],
+    bodies: &mut [Body<D>],
+) -> Result<Vec<SideRef>, Fault> {
+    let nodes = match &node.value {
+        Value::List(list) => &list[..],
+        _ => std::slice::from_ref(node),
+    };
+    let mut named: BTreeMap<usize, Vec<(String, Span)>> = BTreeMap::new();
+    for node in nodes {
+        let text = node.text()?;
+        let of_body = text.split_once('.').and_then(|(body, side)| {
+            let body = own.iter().copied().find(|&of| bodies[of].name == body)?;
+            Some((body, side.to_string()))
+        });
+        let found: Vec<(usize, String)> = match of_body {
+            Some(found) => vec![found],
+            None => {
+                let with = own
+                    .iter()
+                    .filter(|&&of| bodies[of].mesh.side(text).is_some());
+                with.map(|&of| (of, text.to_string())).collect()
+            }
+        };
+        if found.is_empty() {
+            let sides = own.iter().flat_map(|&of| bodies[of].mesh.sides().keys());
+            let sides: BTreeSet<&str> = sides.map(String::as_str).collect();
+            let message = format!("none of the bodies has a side `{text}`");
+            let fault = Fault::new(&node.span, message);
+            return Err(fault.nearest(text, ["the nearest side", "sides"], sides.iter().copied()));
+        }
+        for (body, side) in found {
+            named
+                .entry(body)
+                .or_default()
+                .push((side, node.span.clone()));
+        }
+    }
+    let sides = own.iter().filter_map(|&of| Some((of, named.remove(&of)?)));
+    let joined = sides.map(|(of, sides)| {
+        let Body { name, mesh, .. } = &mut bodies[of];
+        Ok(SideRef {
+            body: BodyId(of),
+            side: joined(&sides, &node.span, name, Arc::make_mut(mesh))?,
+        })
+    });
+    joined.collect()
 }
 
 /// An error of the cuts of a section, at its place in the text.
@@ -73,6 +166,10 @@ fn fault(error: &SectionError, table: Table<'_>, what: &str) -> Fault {
         SectionError::NotThrough { .. } => Fault::new(span("sides"), message)
             .label("the body goes on beside them")
             .help("end both sides where the other does, or name stations farther from their ends"),
+        SectionError::Bodies | SectionError::Thicknesses(_) => {
+            Fault::new(span("bodies"), message).label("not the bodies of one section")
+        }
+        SectionError::Beside(_) => Fault::new(span("sides"), message).label("beside the bodies"),
         SectionError::TooFew | SectionError::Space => {
             Fault::new(span("stations"), message).label("not a section")
         }

@@ -13,6 +13,8 @@ pub(crate) struct Steps {
     pub times: Vec<f64>,
     /// As many; empty where a step has none.
     pub names: Vec<String>,
+    /// Times of those from which on displacements count anew.
+    pub zeroed: Vec<f64>,
 }
 
 impl Steps {
@@ -27,6 +29,7 @@ impl Steps {
         let mut steps = Self {
             times: Vec::new(),
             names: Vec::new(),
+            zeroed: Vec::new(),
         };
         for step in list {
             let table = step.table(keys::STEP)?;
@@ -48,6 +51,10 @@ impl Steps {
                 }
                 None => String::new(),
             };
+            let anew = table.get("zero_displacements");
+            if anew.map(Node::boolean).transpose()? == Some(true) {
+                steps.zeroed.push(time);
+            }
             steps.times.push(time);
             steps.names.push(called);
         }
@@ -55,6 +62,7 @@ impl Steps {
             steps = Self {
                 times: vec![1.0],
                 names: vec![String::new()],
+                zeroed: Vec::new(),
             };
         }
         Ok(steps)

@@ -99,9 +99,39 @@ pub(crate) struct Resultant {
 }
 
 impl Resultant {
+    /// Adds another one about the same point.
+    pub fn join(&mut self, other: Self) {
+        self.force = add_scaled(self.force, 1.0, other.force);
+        self.moment += other.moment;
+    }
+
     fn add(&mut self, factor: f64, arm: Point<2>, force: Point<2>) {
         self.force = add_scaled(self.force, factor, force);
         self.moment += factor * (arm[0] * force[1] - arm[1] * force[0]);
+    }
+}
+
+/// The cells of a body about a cut in which φ rises, their nodes, and whether φ raises each node of the body.
+pub(crate) struct Layer {
+    cells: Vec<(u32, u32)>,
+    nodes: BTreeSet<u32>,
+    rises: Vec<bool>,
+}
+
+impl Layer {
+    /// The cut does not divide the body.
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// A node of its cells.
+    pub fn has(&self, node: usize) -> bool {
+        self.nodes.contains(&(node as u32))
+    }
+
+    /// φ is 1 at a node.
+    pub fn rises(&self, node: usize) -> bool {
+        self.rises[node]
     }
 }
 
@@ -246,10 +276,35 @@ impl<'a, const D: usize> Ahead<'a, D> {
         sum.map(|c| c / nodes.len() as f64)
     }
 
-    /// Resultant of all forces on the part ahead of a cut.
+    /// Resultant of all forces on the part ahead of a cut, from the layer about it.
     ///
     /// Errors: an initial stress or strain that is not finite.
-    pub fn of(&self, cut: &Cut) -> Result<Resultant, FemError> {
+    pub fn of(&self, cut: &Cut, layer: &Layer) -> Result<Resultant, FemError> {
+        let divide = Divide::new(cut);
+        let mut sum = Resultant::default();
+        for &cell in &layer.cells {
+            self.add_cell(&divide, &layer.rises, cell, &mut sum)?;
+        }
+        // a point load at the end of the body is behind the cut, and its node ahead
+        if cut.last {
+            for &node in &layer.nodes {
+                let on = divide.ahead(self.at(node)).abs() <= 2.0 * ON_CUT * divide.half;
+                if let (true, Some(force)) = (on, self.points.get(&node)) {
+                    sum.add(-1.0, divide.arm(self.at(node)), plane(*force));
+                }
+            }
+        }
+        Ok(sum)
+    }
+
+    /// Adds −φ f of a force of another body of the section at a node that φ raises.
+    pub fn push(&self, cut: &Cut, node: usize, force: Point<D>, sum: &mut Resultant) {
+        let arm = sub(self.at(node as u32), cut.middle());
+        sum.add(-1.0, arm, plane(force));
+    }
+
+    /// The layer of cells about a cut in which φ rises; it is empty if the cut does not divide the body.
+    pub fn layer(&self, cut: &Cut) -> Layer {
         let divide = Divide::new(cut);
         let centre = |node: u32| {
             let cells = &self.around[node as usize];
@@ -261,28 +316,20 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let rises: Vec<bool> = (0..self.around.len() as u32)
             .map(|node| divide.step(self.at(node), || centre(node)))
             .collect();
-        let mut sum = Resultant::default();
-        let layer = self.layer(&divide, &rises);
-        for &(block, cell) in &layer {
-            self.add_cell(&divide, &rises, (block, cell), &mut sum)?;
+        let cells = self.rising(&divide, &rises);
+        let mesh = &self.body.mesh;
+        let nodes = cells
+            .iter()
+            .flat_map(|&(b, c)| mesh.cell_nodes(b as usize, c as usize));
+        Layer {
+            nodes: nodes.copied().collect(),
+            cells,
+            rises,
         }
-        // a point load at the end of the body is behind the cut, and its node ahead
-        if cut.last {
-            let nodes = layer
-                .iter()
-                .flat_map(|&(b, c)| self.body.mesh.cell_nodes(b as usize, c as usize));
-            for node in nodes.copied().collect::<BTreeSet<u32>>() {
-                let on = divide.ahead(self.at(node)).abs() <= 2.0 * ON_CUT * divide.half;
-                if let (true, Some(force)) = (on, self.points.get(&node)) {
-                    sum.add(-1.0, divide.arm(self.at(node)), plane(*force));
-                }
-            }
-        }
-        Ok(sum)
     }
 
-    /// The cells in which φ rises and that are connected with the middle of the cut.
-    fn layer(&self, divide: &Divide<'_>, rises: &[bool]) -> Vec<(u32, u32)> {
+    /// The cells in which φ rises and that are connected with the cut.
+    fn rising(&self, divide: &Divide<'_>, rises: &[bool]) -> Vec<(u32, u32)> {
         let mesh = &self.body.mesh;
         let nodes = |(b, c): (u32, u32)| mesh.cell_nodes(b as usize, c as usize);
         let mixed = |cell: (u32, u32)| {
@@ -303,11 +350,11 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let blocks = mesh.blocks().iter().enumerate();
         let all = blocks
             .flat_map(|(b, block)| (0..block.cells().len()).map(move |c| (b as u32, c as u32)));
-        let nearest = all
-            .filter(|&cell| mixed(cell))
-            .min_by(|&a, &b| far(a).total_cmp(&far(b)));
-        let mut found: BTreeSet<(u32, u32)> = nearest.into_iter().collect();
-        let mut open: Vec<(u32, u32)> = nearest.into_iter().collect();
+        let on_cut = (1.0 - 2.0 * ON_CUT) * divide.half;
+        let mut open: Vec<(u32, u32)> = all
+            .filter(|&cell| mixed(cell) && far(cell) < on_cut)
+            .collect();
+        let mut found: BTreeSet<(u32, u32)> = open.iter().copied().collect();
         while let Some(cell) = open.pop() {
             for &node in nodes(cell) {
                 for &next in &self.around[node as usize] {

@@ -1,4 +1,5 @@
-//! The strip between two long sides of a plane body: its middle line, its thickness, and the cuts across it.
+//! The strip between two long sides of a plane body, or of several bodies side by side or one upon the other: its middle line, its
+//! thickness, and the cuts across it.
 //!
 //! A *rib* joins a point a of the first side with a point b of the second; ribs follow each other without crossing, from one
 //! end of the strip to the other, or once around a ring. With the unit tangents τ and the angle θ between rib and tangent
@@ -12,7 +13,7 @@
 //! face, at θ = 0°, costs nothing), with equal angles to both sides where these converge, and turning about the re-entrant
 //! corner of a frame, whose diagonal is one of them. The middle line runs through the middles of the ribs.
 //! Nodes of the two sides need not match: the paths are found among samples of the sides, which include the feet of the opposite
-//! nodes, by dynamic programming (the warping of two sequences, as described in Sakoe and Chiba, IEEE Trans. ASSP
+//! ones, by dynamic programming (the warping of two sequences, as described in Sakoe and Chiba, IEEE Trans. ASSP
 //! 26 (1978) 43–49).
 //!
 //! Signs: s runs along the middle line with the first side on its left. A closed strip starts where the ray along +x from the
@@ -113,11 +114,13 @@ struct Rib {
     s: f64,
 }
 
+/// Facets in their order, each of one of the bodies.
+type Facets<'m> = Vec<(&'m Mesh<2>, Facet)>;
+
 /// A side as a path: place k + x is the part x along its facet k.
 #[derive(Debug, Clone)]
 struct Track<'m> {
-    mesh: &'m Mesh<2>,
-    facets: Vec<Facet>,
+    facets: Facets<'m>,
     /// Against its chain, the body on the right.
     reversed: bool,
     closed: bool,
@@ -146,17 +149,80 @@ const OBLIQUE: f64 = 0.3;
 /// A point belongs to the cut that is nearer to it than this part of the thickness.
 const ON_CUT: f64 = 0.25;
 
+/// Facets of sides of several bodies follow each other where the ends are nearer than this part of both facets.
+const JOINED: f64 = 0.25;
+
+/// Both ends of a facet in the order of its side.
+fn ends((mesh, facet): (&Mesh<2>, Facet)) -> [Point<2>; 2] {
+    [-1.0, 1.0].map(|xi| mesh.facet_point(facet, &[xi]))
+}
+
+/// The sides of some bodies as one path, and whether it goes all around.
+///
+/// Errors: a side that is not there; several paths.
+fn path<'m>(sides: &[(&'m Mesh<2>, &str)]) -> Result<(Facets<'m>, bool), StripError> {
+    let mut chains: Vec<(Facets<'m>, bool)> = Vec::new();
+    for &(mesh, side) in sides {
+        let own = mesh
+            .chain(side)
+            .ok_or_else(|| StripError::Unknown(side.to_string()))?;
+        let of_mesh = |chain: Chain| {
+            let facets = chain.facets.into_iter().map(|facet| (mesh, facet));
+            (facets.collect(), chain.cyclic)
+        };
+        chains.extend(own.into_iter().map(of_mesh));
+    }
+    let follows = |before: &Facets<'m>, next: &Facets<'m>| {
+        let (Some(&before), Some(&next)) = (before.last(), next.first()) else {
+            return false;
+        };
+        let [before, next] = [before, next].map(ends);
+        let least = distance(before[0], before[1]).min(distance(next[0], next[1]));
+        distance(before[1], next[0]) < JOINED * least
+    };
+    let open = |(_, cyclic): &(Facets<'m>, bool)| !cyclic;
+    if chains.len() > 1 && chains.iter().all(open) {
+        let followed = |k: usize| {
+            chains
+                .iter()
+                .any(|(before, _)| follows(before, &chains[k].0))
+        };
+        // of a ring any may be the first
+        let first = (0..chains.len()).find(|&k| !followed(k)).unwrap_or(0);
+        let mut rest = chains;
+        let mut whole = rest.remove(first).0;
+        while let Some(next) = rest.iter().position(|(next, _)| follows(&whole, next)) {
+            whole.extend(rest.remove(next).0);
+        }
+        let closed = follows(&whole, &whole);
+        rest.push((whole, closed));
+        chains = rest;
+    }
+    match (chains.len(), chains.pop()) {
+        (1, Some(only)) => Ok(only),
+        (pieces, _) => Err(StripError::Pieces {
+            side: in_words(sides),
+            pieces,
+        }),
+    }
+}
+
+/// The names of sides, those of several bodies each once.
+fn in_words(sides: &[(&Mesh<2>, &str)]) -> String {
+    let mut names: Vec<&str> = sides.iter().map(|(_, side)| *side).collect();
+    names.dedup();
+    names.join("\", \"")
+}
+
 impl<'m> Track<'m> {
-    fn new(mesh: &'m Mesh<2>, chain: &Chain, reversed: bool) -> Self {
-        let mut facets = chain.facets.clone();
+    fn new((mut facets, closed): (Facets<'m>, bool), reversed: bool) -> Self {
         if reversed {
             facets.reverse();
         }
         Self {
-            mesh,
             facets,
             reversed,
-            closed: chain.cyclic,
+            closed,
         }
     }
 
@@ -165,7 +231,7 @@ impl<'m> Track<'m> {
     }
 
     /// Facet and reference coordinate of a place; a closed track is endless.
-    fn place(&self, at: f64) -> (Facet, f64) {
+    fn place(&self, at: f64) -> ((&'m Mesh<2>, Facet), f64) {
         let count = self.count();
         let at = if self.closed {
             at.rem_euclid(count)
@@ -179,13 +245,13 @@ impl<'m> Track<'m> {
 
     /// The point at a place; straight on beyond the ends of an open track.
     fn point(&self, at: f64) -> Point<2> {
-        let (facet, xi) = self.place(at);
-        let point = self.mesh.facet_point(facet, &[xi]);
+        let ((mesh, facet), xi) = self.place(at);
+        let point = mesh.facet_point(facet, &[xi]);
         let beyond = at - at.clamp(0.0, self.count());
         if self.closed || beyond == 0.0 {
             return point;
         }
-        let [start, end] = [-1.0, 1.0].map(|xi| self.mesh.facet_point(facet, &[xi]));
+        let [start, end] = ends((mesh, facet));
         let way = if self.reversed { -beyond } else { beyond };
         add_scaled(point, way, sub(end, start))
     }
@@ -197,13 +263,18 @@ impl<'m> Track<'m> {
 
     /// Unit vector into the body.
     fn inward(&self, at: f64) -> Point<2> {
-        let (facet, xi) = self.place(at);
-        unit(self.mesh.outward_normal(facet, &[xi])).map_or([0.0; 2], |n| n.map(|c| -c))
+        let ((mesh, facet), xi) = self.place(at);
+        unit(mesh.outward_normal(facet, &[xi])).map_or([0.0; 2], |n| n.map(|c| -c))
+    }
+
+    /// The number of equal parts of each facet.
+    fn parts(&self) -> usize {
+        (SAMPLES / self.facets.len()).clamp(1, PARTS)
     }
 
     /// The ends of equal parts of all facets, in order; of a closed track without the last, which is the first.
     fn even(&self) -> Vec<f64> {
-        let parts = (SAMPLES / self.facets.len()).clamp(1, PARTS);
+        let parts = self.parts();
         let last = if self.closed { 0 } else { 1 };
         let samples = 0..self.facets.len() * parts + last;
         samples.map(|k| k as f64 / parts as f64).collect()
@@ -212,14 +283,14 @@ impl<'m> Track<'m> {
     /// Its nodes, each with the direction into the body there; at a corner those of both facets.
     fn rays(&self) -> Vec<(Point<2>, Point<2>)> {
         let end = if self.reversed { -1.0 } else { 1.0 };
-        let inward = |facet: Facet, xi: f64| {
-            let normal = unit(self.mesh.outward_normal(facet, &[xi])).unwrap_or([0.0; 2]);
+        let inward = |(mesh, facet): (&Mesh<2>, Facet), xi: f64| {
+            let normal = unit(mesh.outward_normal(facet, &[xi])).unwrap_or([0.0; 2]);
             normal.map(|n| -n)
         };
         let last = self.facets.len() - 1;
         let mut rays = Vec::new();
         for (k, &facet) in self.facets.iter().enumerate() {
-            let at = |xi: f64| self.mesh.facet_point(facet, &[xi]);
+            let at = |xi: f64| facet.0.facet_point(facet.1, &[xi]);
             if k == 0 && !self.closed {
                 rays.push((at(-end), inward(facet, -end)));
             }
@@ -235,6 +306,14 @@ impl<'m> Track<'m> {
             }
         }
         rays
+    }
+
+    /// The same at the ends of equal parts within its facets.
+    fn rays_within(&self) -> impl Iterator<Item = (Point<2>, Point<2>)> {
+        let parts = self.parts();
+        let within = (0..self.facets.len() * parts).filter(move |k| k % parts != 0);
+        let places = within.map(move |k| k as f64 / parts as f64);
+        places.map(|at| (self.point(at), self.inward(at)))
     }
 
     /// Where a ray first meets it.
@@ -353,51 +432,52 @@ fn cheapest(a: &[Point<2>], b: &[Point<2>]) -> Vec<[usize; 2]> {
     path
 }
 
+/// Two paths along one mesh belong to one part of it; those along several may be of any bodies.
+fn connected(one: &Facets<'_>, other: &Facets<'_>) -> bool {
+    let ((mesh, a), (_, b)) = (one[0], other[0]);
+    let mut all = one.iter().chain(other);
+    if !all.all(|(of, _)| std::ptr::eq(*of, mesh)) {
+        return true;
+    }
+    let part = mesh.facet_components();
+    let of = |facet: Facet| {
+        let blocks = mesh.blocks()[..facet.block as usize].iter();
+        part[blocks.map(|block| block.cells().len()).sum::<usize>() + facet.cell as usize]
+    };
+    of(a) == of(b)
+}
+
 impl<'m> Strip<'m> {
-    /// The strip between two sides of a mesh, s with the first on its left.
+    /// The strip between two long sides, s with the first on its left. Each is a path along the named sides of one or several
+    /// meshes.
     ///
-    /// Errors: sides that are not two long sides of one body.
-    pub fn between(mesh: &'m Mesh<2>, first: &str, second: &str) -> Result<Self, StripError> {
-        let names = || (first.to_string(), second.to_string());
-        let chain = |name: &str| {
-            let unknown = || StripError::Unknown(name.to_string());
-            let mut chains = mesh.chain(name).ok_or_else(unknown)?;
-            match chains.len() {
-                1 => Ok(chains.remove(0)),
-                pieces => Err(StripError::Pieces {
-                    side: name.to_string(),
-                    pieces,
-                }),
-            }
+    /// Errors: sides that are not two long sides of the bodies.
+    pub fn between(sides: [&[(&'m Mesh<2>, &str)]; 2]) -> Result<Self, StripError> {
+        let names = || (in_words(sides[0]), in_words(sides[1]));
+        let (one, other) = (path(sides[0])?, path(sides[1])?);
+        let shared = |&(mesh, facet): &(&Mesh<2>, Facet)| {
+            let others = other.0.iter().filter(|(of, _)| std::ptr::eq(*of, mesh));
+            let mut others = others.flat_map(|&(_, facet)| mesh.facet_nodes(facet));
+            others.any(|node| mesh.facet_nodes(facet).any(|own| own == node))
         };
-        let (one, other) = (chain(first)?, chain(second)?);
-        if one.nodes.iter().any(|node| other.nodes.contains(node)) {
+        if one.0.iter().any(shared) {
             let (first, second) = names();
             return Err(StripError::Meet(first, second));
         }
-        if one.cyclic != other.cyclic {
+        if one.1 != other.1 {
             let (first, second) = names();
-            return Err(match one.cyclic {
+            return Err(match one.1 {
                 true => StripError::OneClosed(first, second),
                 false => StripError::OneClosed(second, first),
             });
         }
-        let part = mesh.facet_components();
-        let offset = |facet: Facet| {
-            let blocks = mesh.blocks()[..facet.block as usize].iter();
-            blocks.map(|block| block.cells().len()).sum::<usize>() + facet.cell as usize
-        };
-        let sides = [
-            Track::new(mesh, &one, true),
-            Track::new(mesh, &other, false),
-        ];
-        let parts = sides.each_ref().map(|side| part[offset(side.facets[0])]);
+        let connected = connected(&one.0, &other.0);
         let mut strip = Self {
-            closed: one.cyclic,
-            sides,
+            closed: one.1,
+            sides: [Track::new(one, true), Track::new(other, false)],
             ribs: Vec::new(),
         };
-        if parts[0] != parts[1] || !strip.faces() {
+        if !connected || !strip.faces() {
             let (first, second) = names();
             return Err(StripError::Apart(first, second));
         }
@@ -441,34 +521,42 @@ impl<'m> Strip<'m> {
     }
 
     /// Places of both sides that ribs may join, with their points, in order: equal parts of the facets, and the feet of the
-    /// nodes opposite.
+    /// nodes opposite. Where these are no such parts, the sides do not match, and feet of all parts are taken: there would be
+    /// oblique ribs between those of the nodes, the more so the thinner the strip.
     fn samples(&self) -> [Vec<(f64, Point<2>)>; 2] {
         let even = self.sides.each_ref().map(Track::even);
         let polygons = [0, 1].map(|k| self.sides[k].polygon(&even[k]));
-        let feet = [0, 1].map(|k| {
-            let (own, other) = (&self.sides[k], &self.sides[1 - k]);
-            let rays = own.rays().into_iter();
-            let hits = rays.filter_map(|(from, inward)| other.hit(&polygons[1 - k], from, inward));
-            hits.collect::<Vec<f64>>()
+        let known = |k: usize, at: f64| {
+            let next = even[k].partition_point(|&even| even < at);
+            let before = even[k].get(next.wrapping_sub(1)).copied();
+            let end = Some(self.sides[k].count());
+            let near = [before, even[k].get(next).copied(), end];
+            near.into_iter()
+                .flatten()
+                .any(|even| (even - at).abs() < SAME_PLACE)
+        };
+        let hit = |k: usize, (from, inward)| self.sides[k].hit(&polygons[k], from, inward);
+        // on each side those of the nodes of the other one
+        let mut feet = [0, 1].map(|k| {
+            let rays = self.sides[1 - k].rays().into_iter();
+            let hits = rays.filter_map(|ray| hit(k, ray));
+            hits.filter(|&at| !known(k, at)).collect::<Vec<f64>>()
         });
+        if feet.iter().any(|own| !own.is_empty()) {
+            for (k, own) in feet.iter_mut().enumerate() {
+                let hits = self.sides[1 - k].rays_within();
+                own.extend(
+                    hits.filter_map(|ray| hit(k, ray))
+                        .filter(|&at| !known(k, at)),
+                );
+            }
+        }
         [0, 1].map(|k| {
-            let end = self.sides[k].count();
-            let known = |at: f64| {
-                let next = even[k].partition_point(|&even| even < at);
-                let before = even[k].get(next.wrapping_sub(1)).copied();
-                let near = [before, even[k].get(next).copied(), Some(end)];
-                near.into_iter()
-                    .flatten()
-                    .any(|even| (even - at).abs() < SAME_PLACE)
-            };
-            let mut places = even[k].clone();
-            places.extend(feet[1 - k].iter().filter(|at| !known(**at)));
+            let (side, mut places) = (&self.sides[k], even[k].clone());
+            places.append(&mut feet[k]);
             places.sort_by(f64::total_cmp);
             places.dedup_by(|b, a| *b - *a < SAME_PLACE);
-            places
-                .iter()
-                .map(|&at| (at, self.sides[k].point(at)))
-                .collect()
+            places.iter().map(|&at| (at, side.point(at))).collect()
         })
     }
 

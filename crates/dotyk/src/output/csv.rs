@@ -113,7 +113,8 @@ pub fn beds_csv<const D: usize>(steps: &[Solution<D>]) -> Option<String> {
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for bed in &solution.beds {
-            numbered(&mut out, (step, &bed.name), &bed.points, |out, at| {
+            let points = bed.points.iter().enumerate();
+            numbered(&mut out, (step, &bed.name), points, |out, at| {
                 numbers(out, &at.point);
                 numbers(out, &at.normal);
                 numbers(out, &[at.area, at.pressure, at.gap]);
@@ -142,7 +143,7 @@ pub fn members_csv<const D: usize>(kind: MemberWords, steps: &[Solution<D>]) -> 
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for member in solution.members.iter().filter(|own| own.kind == kind) {
-            let stations = &member.stations;
+            let stations = member.stations.iter().enumerate();
             numbered(&mut out, (step, &member.name), stations, |out, station| {
                 numbers(out, &[station.s]);
                 numbers(out, &station.point[..D]);
@@ -171,8 +172,10 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for section in &solution.sections {
-            let stations = &section.stations;
-            numbered(&mut out, (step, &section.name), stations, |out, station| {
+            // where no body is there yet, there is no row
+            let known = section.stations.iter().enumerate();
+            let known = known.filter(|(_, station)| !station.normal.is_nan());
+            numbered(&mut out, (step, &section.name), known, |out, station| {
                 let [x, y] = station.point;
                 numbers(out, &[station.s, x, y, station.angle(), station.thickness]);
                 numbers(out, &[station.normal, station.shear, station.moment]);
@@ -188,14 +191,14 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
 }
 
 /// A row for each place of a part in a step, from 0, which begins with the number of the step, the name and the number of the place.
-fn numbered<T>(
+fn numbered<'p, T: 'p>(
     out: &mut String,
     (step, name): (usize, &str),
-    places: &[T],
+    places: impl Iterator<Item = (usize, &'p T)>,
     write: impl Fn(&mut String, &T),
 ) {
     let start = format!("{},{}", step + 1, quoted(name));
-    for (index, place) in places.iter().enumerate() {
+    for (index, place) in places {
         // Writing to a String cannot fail.
         let _ = write!(out, "{start},{}", index + 1);
         write(out, place);

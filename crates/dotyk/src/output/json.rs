@@ -86,6 +86,7 @@ fn step_summary<'a, const D: usize>(
         step: several.then_some(index + 1),
         name: run.step_name(index),
         time: solution.time,
+        displacements_from: solution.counted_from,
         converged: solution.converged,
         solver: &solution.solver.method,
         iterations: solution.solver.iterations,
@@ -193,6 +194,9 @@ struct Summary<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<&'a str>,
     time: f64,
+    /// Only where they do not count from the beginning.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    displacements_from: Option<f64>,
     converged: bool,
     solver: &'a str,
     iterations: usize,
@@ -512,7 +516,10 @@ fn member_entry<const D: usize>(member: &MemberSolution<D>) -> MemberEntry<'_> {
 }
 
 fn section_entry(section: &SectionSolution) -> SectionEntry<'_> {
-    let stations = section.stations.iter().enumerate().map(|(index, station)| {
+    // where no body is there yet, there is no station
+    let known = section.stations.iter().enumerate();
+    let known = known.filter(|(_, station)| !station.normal.is_nan());
+    let stations = known.map(|(index, station)| {
         let [stress_first, stress_second] = station.edge_stress();
         let [x, y] = station.point;
         StationEntry {

@@ -2,7 +2,9 @@
 //! its extremes, and the forces inside the limit curve of a section.
 
 use crate::geometry::{Point, bounding_box, sub};
-use crate::model::{Analysis, Capacity, Model, Section, SectionQuantity, SectionSolution, Station};
+use crate::model::{
+    Analysis, Capacity, Model, Section, SectionQuantity, SectionSolution, SideRef, Station,
+};
 use crate::output::Overview;
 use crate::output::html::{column, fitted, left, plain, table_of_vectors, text};
 use crate::output::markup::{Markup, markup};
@@ -140,13 +142,18 @@ fn one_section<const D: usize>(
     let Some(&last) = steps.last() else {
         return Markup::default();
     };
-    let body = &run.model.bodies[asked.body.0];
     let mut out = markup!("<h3>{}</h3>\n", asked.name);
+    let bodies = asked.bodies.iter();
+    let bodies: Vec<&str> = bodies.map(|b| &run.model.bodies[b.0].name[..]).collect();
+    let [first, second] = asked
+        .sides
+        .each_ref()
+        .map(|sides| long_side(run.model, asked, sides));
     let between = format!(
         "{} between {} (first) and {}, {} stations, length of the middle line {}.",
-        body.name,
-        asked.sides[0],
-        asked.sides[1],
+        bodies.join(", "),
+        first,
+        second,
         count(last.stations.len()),
         quantity(last.length, &labels.length)
     );
@@ -179,6 +186,18 @@ fn one_section<const D: usize>(
         out += fitted(&draw, "Normal force and moment within the limit", &caption);
     }
     out + extremes((&numbers, &steps), labels)
+}
+
+/// A long side in words: its name, and those of the bodies where these have sides of different names.
+fn long_side<const D: usize>(model: &Model<D>, asked: &Section<D>, sides: &[SideRef]) -> String {
+    let same = sides.iter().all(|side| side.side == sides[0].side);
+    if same && (asked.bodies.len() == 1 || sides.len() > 1) {
+        return sides[0].side.clone();
+    }
+    let each = sides
+        .iter()
+        .map(|s| format!("{}.{}", model.bodies[s.body.0].name, s.side));
+    each.collect::<Vec<_>>().join(", ")
 }
 
 /// Stations in the order of s.
@@ -214,12 +233,12 @@ fn quiet(
     move |station| without_noise(value(station), scale)
 }
 
-/// A section with the outline of its body.
+/// A section with the outlines of its bodies.
 struct Drawn<'a> {
     solution: &'a SectionSolution,
     stations: Vec<&'a Station>,
-    outline: Vec<Strand>,
-    points: &'a [Point<2>],
+    /// The outline of each body, with its nodes.
+    outlines: Vec<(Vec<Strand>, &'a [Point<2>])>,
 }
 
 impl<'a> Drawn<'a> {
@@ -229,12 +248,14 @@ impl<'a> Drawn<'a> {
         asked: &Section<D>,
         solution: &'a SectionSolution,
     ) -> Option<Self> {
-        let mesh = model.bodies[asked.body.0].mesh.in_plane()?;
+        let outlines = asked.bodies.iter().map(|body| {
+            let mesh = model.bodies[body.0].mesh.in_plane()?;
+            Some((strands(mesh, &mesh.boundary_facets()), mesh.points()))
+        });
         Some(Self {
             solution,
             stations: sorted(solution),
-            outline: strands(mesh, &mesh.boundary_facets()),
-            points: mesh.points(),
+            outlines: outlines.collect::<Option<_>>()?,
         })
     }
 }
@@ -242,7 +263,8 @@ impl<'a> Drawn<'a> {
 /// The three diagrams on the outlines of the bodies; beside each other, or one above the other where the bodies are long and on a
 /// phone.
 fn on_geometry(drawn: &[Drawn<'_>], id: &str, labels: &Labels, width: f64) -> Markup {
-    let points = drawn.iter().flat_map(|own| own.points).copied();
+    let outlines = drawn.iter().flat_map(|own| &own.outlines);
+    let points = outlines.flat_map(|(_, points)| *points).copied();
     let bounds = bounding_box(&points.collect::<Vec<_>>());
     let size = sub(bounds.1, bounds.0);
     let below = size[0] > 1.8 * size[1] || width <= PHONE;
@@ -287,8 +309,10 @@ fn on_geometry(drawn: &[Drawn<'_>], id: &str, labels: &Labels, width: f64) -> Ma
 /// One quantity of all sections, `reach` pixels for its largest value, with its extremes.
 fn diagrams(svg: &mut Svg, view: &View, drawn: &[Drawn<'_>], curve: &Curve, reach: f64) {
     for own in drawn {
-        let body = outline_path(&own.outline, &|node| view.pixel(own.points[node]));
-        svg.path(&body, "#9aa5b0", 0.8, "#eef1f4", "fill-rule=\"evenodd\"");
+        for (outline, points) in &own.outlines {
+            let body = outline_path(outline, &|node| view.pixel(points[node]));
+            svg.path(&body, "#9aa5b0", 0.8, "#eef1f4", "fill-rule=\"evenodd\"");
+        }
     }
     let values = |own: &Drawn<'_>| -> Vec<f64> {
         let value = quiet(own.solution, curve.value, curve.name);

@@ -32,6 +32,12 @@ pub fn steps_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> 
         count(steps.len()),
         number(run.last.time)
     );
+    if let Some(time) = run.last.counted_from {
+        out += markup!(
+            "<p>Its displacements count from the end of the step at t = {}.</p>\n",
+            number(time)
+        );
+    }
     out += stages(run);
     out += course(run);
     out += steps_figure(&steps, labels);

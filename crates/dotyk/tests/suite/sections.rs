@@ -13,7 +13,7 @@ use dotyk::model::{BodyId, Model, SectionSolution, Solution, Station, Stations};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-fn solved(text: &str) -> Solution<2> {
+pub fn solved(text: &str) -> Solution<2> {
     let case =
         Case::<2>::from_str(text, "test.toml", Path::new(".")).unwrap_or_else(|e| panic!("{e}"));
     case.model.solve().unwrap_or_else(|e| panic!("{e}"))
@@ -24,7 +24,7 @@ fn section(text: &str) -> SectionSolution {
 }
 
 /// Largest difference of N, V and M from expected ones, relative to the largest expected values: forces and moments each.
-fn off(section: &SectionSolution, expected: impl Fn(&Station) -> [f64; 3]) -> f64 {
+pub fn off(section: &SectionSolution, expected: impl Fn(&Station) -> [f64; 3]) -> f64 {
     let all: Vec<([f64; 3], [f64; 3])> = section
         .stations
         .iter()
@@ -44,7 +44,7 @@ fn off(section: &SectionSolution, expected: impl Fn(&Station) -> [f64; 3]) -> f6
 
 /// N, V, M per unit of thickness of a cantilever of length 5 and height 1/2 held at x = 0, under an end traction, a traction on
 /// its top and its weight, at a distance from its free end; the first side is the top.
-fn cantilever(d: f64) -> [f64; 3] {
+pub fn cantilever(d: f64) -> [f64; 3] {
     let (h, x) = (0.5, 5.0 - d);
     // end: (30, -20) on h; top: (1, -10 - 3x); weight: (1/2, -25) on h
     let normal = 30.0 * h + d + 0.5 * h * d;

@@ -25,6 +25,10 @@ fn rectangle(cells: [usize; 2]) -> Mesh<2> {
     rectangle.build().unwrap()
 }
 
+fn between<'m>(mesh: &'m Mesh<2>, first: &str, second: &str) -> Result<Strip<'m>, StripError> {
+    Strip::between([&[(mesh, first)], &[(mesh, second)]])
+}
+
 fn close(a: Point<2>, b: Point<2>, tolerance: f64) {
     assert!(distance(a, b) < tolerance, "{a:?} {b:?}");
 }
@@ -42,7 +46,7 @@ fn cuts_of_a_beam_are_upright_whatever_its_meshes_are() {
         ],
     );
     for mesh in [structured, free] {
-        let strip = Strip::between(&mesh, "top", "bottom").unwrap();
+        let strip = between(&mesh, "top", "bottom").unwrap();
         assert!(!strip.closed() && (strip.length() - 4.0).abs() < 1e-12);
         for x in [0.0, 0.1, 1.37, 2.0, 3.999, 4.0] {
             let cut = strip.at(x);
@@ -52,7 +56,7 @@ fn cuts_of_a_beam_are_upright_whatever_its_meshes_are() {
             assert_eq!(cut.last, x == 4.0);
         }
         // the other way round s runs back
-        let back = Strip::between(&mesh, "bottom", "top").unwrap();
+        let back = between(&mesh, "bottom", "top").unwrap();
         close(back.at(1.0).first, [3.0, 0.0], 1e-9);
         close(back.at(1.0).along(), [-1.0, 0.0], 1e-9);
         assert!((strip.nearest([1.2, 0.4]).unwrap().s - 1.2).abs() < 1e-9);
@@ -77,7 +81,7 @@ fn cuts_of_a_ring_are_radial_and_begin_at_its_springline() {
     let mesh = ring.build().unwrap();
     for (first, turn) in [("inner", 1.0), ("outer", -1.0_f64)] {
         let other = if first == "inner" { "outer" } else { "inner" };
-        let strip = Strip::between(&mesh, first, other).unwrap();
+        let strip = between(&mesh, first, other).unwrap();
         // a polygon of four times as many edges: off by π²/6/120² of the length
         let length = std::f64::consts::TAU * 1.3;
         assert!(strip.closed() && (strip.length() / length - 1.0).abs() < 2e-4);
@@ -110,7 +114,7 @@ fn a_step_is_cut_upright_on_both_of_its_sides() {
             ([0.0, 0.0], "left", 3),
         ],
     );
-    let strip = Strip::between(&mesh, "top", "bottom").unwrap();
+    let strip = between(&mesh, "top", "bottom").unwrap();
     // the middle line climbs by half of the step
     assert!((strip.length() - 4.15).abs() < 1e-9);
     for (s, x, h) in [
@@ -139,7 +143,7 @@ fn the_corner_of_a_frame_is_cut_along_its_diagonal() {
             ([0.0, 0.0], "outer", 15),
         ],
     );
-    let strip = Strip::between(&mesh, "inner", "outer").unwrap();
+    let strip = between(&mesh, "inner", "outer").unwrap();
     // with the inner side on the left s runs down the upright leg, and on along the other
     let (upright, lying) = (2.5 - 0.2, 3.0 - 0.2);
     assert!(
@@ -169,7 +173,7 @@ fn a_wedge_is_cut_with_equal_angles_to_both_sides() {
             ([0.0, 0.0], "left", 3),
         ],
     );
-    let strip = Strip::between(&mesh, "top", "bottom").unwrap();
+    let strip = between(&mesh, "top", "bottom").unwrap();
     let half = 0.5 * (0.5_f64 / 5.0).atan();
     for x in [1.0, 2.5, 4.2] {
         let cut = strip.at(x);
@@ -181,7 +185,7 @@ fn a_wedge_is_cut_with_equal_angles_to_both_sides() {
 #[test]
 fn what_is_no_strip_is_said() {
     let mesh = rectangle([8, 2]);
-    let error = |a: &str, b: &str| Strip::between(&mesh, a, b).unwrap_err();
+    let error = |a: &str, b: &str| between(&mesh, a, b).unwrap_err();
     assert!(matches!(error("top", "roof"), StripError::Unknown(_)));
     assert!(matches!(error("top", "right"), StripError::Meet(..)));
     assert!(matches!(error("top", "top"), StripError::Meet(..)));

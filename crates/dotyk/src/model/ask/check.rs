@@ -195,7 +195,7 @@ fn fill_run<const D: usize>(
     )
     .map_err(last)?;
     sites(model, &conditions)?;
-    lay_out(model)?;
+    lay_out(stage)?;
     check.warnings.extend(dropped);
     let of_conditions = conditions
         .iter()

@@ -14,7 +14,7 @@ use crate::model::read::assumptions::beyond;
 use crate::model::read::fields::fields;
 use crate::model::read::probe::read_probes;
 use crate::model::read::remarks::contact_remarks;
-use crate::model::read::section::{pushes, section_forces};
+use crate::model::read::section::{exerted, section_forces};
 use crate::model::read::singular::peaks;
 use crate::model::read::view::View;
 use crate::model::system::condense::Condensed;
@@ -128,7 +128,7 @@ pub(crate) fn finish<const D: usize>(
         &judged.displaced.gaps,
     ));
     let (certificate, overlap) = (judged.certificate, judged.intrusion.clone());
-    let pushes = pushes(model, condensed, &judged.displaced, lambda);
+    let exerted = exerted(model, condensed, &judged.displaced, lambda);
     let (mut bodies, contacts, beds) = fields(model, condensed, judged.displaced, lambda)?;
     let peaks = peaks(model, &view.outlines, &bodies, &contacts, condensed.time);
     for (body, [stress, utilisation]) in bodies.iter_mut().zip(peaks) {
@@ -145,9 +145,10 @@ pub(crate) fn finish<const D: usize>(
             &contacts,
         )?);
     }
-    let sections = section_forces(model, (condensed, &view.laid), (&bodies, &pushes))?;
+    let sections = section_forces(model, (condensed, &view.laid), (&bodies, &exerted))?;
     let mut solution = Solution {
         time: condensed.time,
+        counted_from: None,
         dofs: bodies.iter().map(|body| body.dofs).sum(),
         members: member_solutions(stage, &condensed.conditions, lambda, &bodies)?,
         bodies,

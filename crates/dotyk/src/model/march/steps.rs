@@ -19,7 +19,7 @@ use crate::model::nouns::model::{Law, Model};
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::Solution;
 use crate::model::nouns::told::told_once;
-use crate::model::read::probe::all_probes;
+use crate::model::read::probe::{all_probes, read_probes};
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
 use crate::model::system::condense::{Condensed, linearise};
@@ -375,6 +375,9 @@ fn solve_step<const D: usize>(
     let yielded = of_bodies.map(|body| body.system.history.yielded.clone());
     let (of_conditions, yielded) = (&condensed.conditions[..], yielded.collect());
     state.remember(&mut solution, of_conditions, (load, forces), slid, yielded);
+    if state.count(model, of_conditions, &mut solution) {
+        solution.probes = read_probes(model, &view.sites, &solution)?;
+    }
     condensed.seconds.recover += lap.seconds();
     condensed.seconds.total = start.elapsed().as_secs_f64();
     solution.seconds = condensed.seconds;

@@ -34,6 +34,7 @@ impl<const D: usize> Model<D> {
             probes: Vec::new(),
             times: vec![1.0],
             step_names: Vec::new(),
+            zeroed: Vec::new(),
             parameters: Vec::new(),
         }
     }
@@ -200,10 +201,25 @@ impl<const D: usize> Model<D> {
         sides: [&str; 2],
         stations: Stations<D>,
     ) -> &mut Section<D> {
+        let sides = sides.map(|side| {
+            let side = side.to_string();
+            vec![SideRef { body, side }]
+        });
+        self.section_of(name, vec![body], sides, stations)
+    }
+
+    /// The same for several bodies, each long side a path along some of them.
+    pub fn section_of(
+        &mut self,
+        name: &str,
+        bodies: Vec<BodyId>,
+        sides: [Vec<SideRef>; 2],
+        stations: Stations<D>,
+    ) -> &mut Section<D> {
         self.sections.push(Section {
             name: name.to_string(),
-            body,
-            sides: sides.map(str::to_string),
+            bodies,
+            sides,
             stations,
             capacity: None,
         });

@@ -4,6 +4,7 @@
 //! A part is present in the steps whose time t lies in from ≤ t < until; parts of the first step do not count as appearing.
 
 use crate::fem::{Active, FemError, Material};
+use crate::mesh::Mesh;
 use crate::model::nouns::error::{Error, Subject};
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::member::{Line, MemberEnd};
@@ -12,6 +13,7 @@ use crate::model::nouns::model::{Along, Body, Contact, Model, Pair, Probe};
 use crate::model::nouns::section::Section;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// The parts of a model that are present at a time.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +71,13 @@ impl Presence {
         }
     }
 
+    /// Whether some body of each section is there.
+    fn cut<const D: usize>(&self, model: &Model<D>) -> Vec<bool> {
+        let sections = model.sections.iter();
+        let any = sections.map(|s| s.bodies.iter().any(|body| self.bodies[body.0]));
+        any.collect()
+    }
+
     /// Everything is there, and as it is at all times.
     pub fn is_whole(&self) -> bool {
         let Self {
@@ -117,6 +126,16 @@ pub(crate) struct Stage<'m, const D: usize> {
     pub tightening: Vec<bool>,
     /// Absent contacts: their names, and their sides on present bodies.
     pub absent: Vec<(String, Vec<SideRef>)>,
+    /// Absent bodies of each present section; empty where all are there.
+    pub uncut: Vec<Vec<Absent<D>>>,
+}
+
+/// A body of a section that is not there: its middle line goes on along it.
+#[derive(Debug, Clone)]
+pub(crate) struct Absent<const D: usize> {
+    pub mesh: Arc<Mesh<D>>,
+    /// Its sides along the long sides of the section.
+    pub sides: [Vec<String>; 2],
 }
 
 impl<'m, const D: usize> Stage<'m, D> {
@@ -131,6 +150,7 @@ impl<'m, const D: usize> Stage<'m, D> {
                 tightened.collect()
             },
             absent: Vec::new(),
+            uncut: Vec::new(),
         }
     }
 
@@ -144,7 +164,21 @@ impl<'m, const D: usize> Stage<'m, D> {
             let sides = sides.filter_map(|side| placed(side, &places)).collect();
             (contact.name.clone(), sides)
         });
+        let cut = kept(&model.sections, &there.cut(model))
+            .map(|section| {
+                let gone = section.bodies.iter().filter(|body| !there.bodies[body.0]);
+                let absent = gone.map(|body| Absent {
+                    mesh: Arc::clone(&model.bodies[body.0].mesh),
+                    sides: section.sides.each_ref().map(|sides| {
+                        let own = sides.iter().filter(|side| side.body == *body);
+                        own.map(|side| side.side.clone()).collect()
+                    }),
+                });
+                absent.collect()
+            })
+            .collect();
         Self {
+            uncut: cut,
             model: match there.is_whole() {
                 true => Cow::Borrowed(model),
                 false => Cow::Owned(model.part(there, None)),
@@ -160,6 +194,7 @@ impl<'m, const D: usize> Stage<'m, D> {
             model: Cow::Owned(self.model.into_owned()),
             tightening: self.tightening,
             absent: self.absent,
+            uncut: self.uncut,
         }
     }
 
@@ -230,11 +265,7 @@ impl<const D: usize> Model<D> {
 
     /// The present parts as a model, with the steps up to a time.
     pub(crate) fn part(&self, there: &Presence, until: Option<f64>) -> Self {
-        let cut = self
-            .sections
-            .iter()
-            .map(|section| there.bodies[section.body.0]);
-        let cut: Vec<bool> = cut.collect();
+        let cut = there.cut(self);
         let [bodies, contacts, sections, members] =
             [&there.bodies, &there.contacts, &cut, &there.members].map(|list| places(list));
         let side = |side: &SideRef| placed(side, &bodies);
@@ -270,10 +301,15 @@ impl<const D: usize> Model<D> {
             })
         };
         let section = |section: &Section<D>| {
-            Some(Section {
-                body: BodyId(bodies[section.body.0]?),
+            let own = section.bodies.iter().filter_map(|body| bodies[body.0]);
+            Section {
+                bodies: own.map(BodyId).collect(),
+                sides: section
+                    .sides
+                    .each_ref()
+                    .map(|sides| sides.iter().filter_map(side).collect()),
                 ..section.clone()
-            })
+            }
         };
         let member = |member: &Member<D>| {
             let end = |end: &MemberEnd<D>| {
@@ -322,11 +358,12 @@ impl<const D: usize> Model<D> {
             members: kept(&self.members, &there.members)
                 .filter_map(member)
                 .collect(),
-            sections: kept(&self.sections, &cut).filter_map(section).collect(),
+            sections: kept(&self.sections, &cut).map(section).collect(),
             solver: self.solver.clone(),
             probes: self.probes.iter().filter_map(probe).collect(),
             times: self.times.iter().filter(before).copied().collect(),
             step_names: self.step_names.clone(),
+            zeroed: self.zeroed.clone(),
             parameters: self.parameters.clone(),
         }
     }

@@ -1,4 +1,6 @@
-//! Section forces N, V, M of rings, walls, slabs and beams: on cuts across a body with two long sides, by equilibrium.
+//! Section forces N, V, M of rings, walls, slabs and beams: on cuts across a body with two long sides, by equilibrium. Several bodies
+//! may stand side by side between the two sides (the segments of a ring), or lie one upon the other (the shells of a lining): the
+//! forces are those of all bodies that a cut divides, about its middle.
 //!
 //! With the resultant F of all forces on the part ahead of a cut and their moment m about its middle (`fem/cut.rs`), the
 //! direction t of s and the direction e from the second side to the first, which is on the left of s:
@@ -15,18 +17,18 @@ use crate::geometry::Point;
 use crate::mesh::StripError;
 use crate::model::nouns::capacity::Capacity;
 use crate::model::nouns::dimension::Dimension;
-use crate::model::nouns::ids::BodyId;
+use crate::model::nouns::ids::{BodyId, SideRef};
 
-/// A body with the cuts at which its section forces are found.
+/// One or several bodies with the cuts at which their section forces are found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section<const D: usize> {
     /// Unique name.
     pub name: String,
-    /// The body.
-    pub body: BodyId,
-    /// Its two long sides; s runs with the first on its left.
-    pub sides: [String; 2],
-    /// Where it is cut.
+    /// The bodies, each once.
+    pub bodies: Vec<BodyId>,
+    /// The two long sides, each a path along sides of these bodies; s runs with the first on its left.
+    pub sides: [Vec<SideRef>; 2],
+    /// Where they are cut.
     pub stations: Stations<D>,
     /// Its capacity.
     pub capacity: Option<Capacity>,
@@ -53,6 +55,15 @@ pub enum SectionError {
     /// Less than two.
     #[error("a number of stations is at least 2, both ends included")]
     TooFew,
+    /// No body, or one twice.
+    #[error("a section has at least one body, and each once")]
+    Bodies,
+    /// A long side along none of the bodies, or along another body.
+    #[error("the {} of its long sides runs along no body of the section", ["first", "second"][*.0])]
+    Beside(usize),
+    /// Bodies of different thicknesses.
+    #[error("its bodies have different thicknesses, {} and {}: section forces are per unit of thickness", .0[0], .0[1])]
+    Thicknesses([f64; 2]),
     /// A point that lies on no cut.
     #[error("station {} at ({}, {}) lies beside the body", .index + 1, .point[0], .point[1])]
     Off {
@@ -96,7 +107,7 @@ pub struct SectionSolution {
     pub stations: Vec<Station>,
 }
 
-/// Forces on one cut.
+/// Forces on one cut; not a number where no body is there yet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
     /// Length of the middle line up to it.

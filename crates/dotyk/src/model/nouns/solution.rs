@@ -548,6 +548,8 @@ pub struct LinePoint {
 pub struct Solution<const D: usize> {
     /// Time at which loads and supports were taken.
     pub time: f64,
+    /// Time of the step at whose end the displacements are zero; `None` where they count from the beginning.
+    pub counted_from: Option<f64>,
     /// One per body of the model, in its order.
     pub bodies: Vec<BodySolution<D>>,
     /// One per contact of the model, in its order.

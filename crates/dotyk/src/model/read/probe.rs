@@ -317,7 +317,9 @@ fn along_section<const D: usize>(
     };
     let all = stations.iter().enumerate();
     let all = all.map(|(k, at)| (place(at.point), share(k), quantity.at(at)));
-    at_stations(all, reading)
+    // stations of bodies that are not there have no value
+    let counts = |value: f64| matches!(reading, Reading::At(_)) || !value.is_nan();
+    at_stations(all.filter(|(_, _, value)| counts(*value)), reading)
 }
 
 /// The force of a member, read at its stations; alone it is the one of the largest magnitude.

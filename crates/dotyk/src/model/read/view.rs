@@ -34,7 +34,7 @@ impl<const D: usize> View<D> {
         let model = stage.model.as_ref();
         Ok(Self {
             sites: sites(model, conditions)?,
-            laid: lay_out(model)?,
+            laid: lay_out(stage)?,
             remarks: body_remarks(stage),
             outlines: Outlines::default(),
             skins: OnceLock::new(),

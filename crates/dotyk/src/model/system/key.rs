@@ -34,6 +34,7 @@ pub(crate) fn same_conditions<const D: usize>(a: &Model<D>, b: &Model<D>) -> boo
         // driving terms, solver, probes and names
         times: _,
         step_names: _,
+        zeroed: _,
         solver: _,
         probes: _,
         sections: _,

@@ -13,6 +13,7 @@ pub mod condense;
 pub mod condition;
 pub mod conditions;
 pub mod contact;
+pub mod counted;
 pub mod couple;
 pub mod cyclic;
 pub mod dependent;

@@ -23,9 +23,10 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::{Contact, Law, Model};
 use crate::model::nouns::presence::{Presence, Stage, places};
-use crate::model::nouns::solution::Solution;
+use crate::model::nouns::solution::{CoupleSolution, Solution};
 use crate::model::system::bolt::keep;
 use crate::model::system::condition::{Condition, Fit, Source, obstacle_motion, row_ranges};
+use crate::model::system::counted::{Counted, Motion};
 use crate::model::system::drive::Before;
 use crate::model::system::filling::Filling;
 use crate::model::system::joints::Lost;
@@ -33,9 +34,6 @@ use crate::model::system::parts::Owner;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-
-/// Displacements (nodes,) of a body; `None` for an absent one.
-type Motion<const D: usize> = Option<Arc<[Point<D>]>>;
 
 /// Displacements of the bodies of a whole model at some moment.
 type Moved<const D: usize> = Arc<[Motion<D>]>;
@@ -96,6 +94,10 @@ pub(crate) struct State<const D: usize> {
     births: BTreeMap<Thing, Birth<D>>,
     /// By body, the displacements to which it was fitted, at its nodes.
     fitted: Vec<Motion<D>>,
+    /// By body, the points of its couples after the last step.
+    points: Vec<Vec<CoupleSolution<D>>>,
+    /// The moment from which displacements count in results.
+    counted: Option<Arc<Counted<D>>>,
     /// By body, the forces of neighbours that have gone, each with the remaining part of it at a time.
     released: Vec<Vec<(Arc<[Point<D>]>, Field)>>,
     /// By the names of contacts and links.
@@ -119,6 +121,8 @@ impl<const D: usize> State<D> {
             obstacles: BTreeMap::new(),
             births: BTreeMap::new(),
             fitted: vec![None; count],
+            points: vec![Vec::new(); count],
+            counted: None,
             released: vec![Vec::new(); count],
             records: BTreeMap::new(),
             yielded: vec![None; count],
@@ -200,8 +204,37 @@ impl<const D: usize> State<D> {
         for (body, solved) in self.whole().into_iter().zip(&mut solution.bodies) {
             solved.fitted.clone_from(&self.fitted[body]);
             moved[body] = Some(Arc::from(solved.displacement.clone()));
+            self.points[body].clone_from(&solved.couples);
         }
         self.moved = moved.into();
+    }
+
+    /// Makes the displacements of a solution of the stage count from where the model says; whether they do not from the beginning.
+    pub fn count(
+        &self,
+        model: &Model<D>,
+        conditions: &[Condition<D>],
+        solution: &mut Solution<D>,
+    ) -> bool {
+        let Some(counted) = &self.counted else {
+            return false;
+        };
+        counted.apply((model, &self.whole()), conditions, solution);
+        true
+    }
+
+    /// The present moment as the one from which displacements count.
+    fn counted_from(&self, time: f64) -> Counted<D> {
+        let placed = self.moved.iter().zip(&self.fitted);
+        let placed = placed.map(|(moved, fitted)| match (moved, fitted) {
+            (Some(moved), Some(fitted)) => {
+                let both = moved.iter().zip(fitted.iter());
+                Some(both.map(|(u, v)| add_scaled(*u, 1.0, *v)).collect())
+            }
+            (moved, _) => moved.clone(),
+        });
+        let both = [self.moved.to_vec(), placed.collect()];
+        Counted::at(time, both, self.points.clone(), self.obstacles.clone())
     }
 
     /// Goes on to a step; returns whether parts come, go or age there. `last` are the conditions of the last step.
@@ -213,6 +246,9 @@ impl<const D: usize> State<D> {
         (step, time): (usize, f64),
         last: Option<&[Condition<D>]>,
     ) -> Result<bool, Error<D>> {
+        if let Some(before) = self.time.filter(|_| model.zeroed.contains(&time)) {
+            self.counted = Some(Arc::new(self.counted_from(before)));
+        }
         let next = self.staged.then(|| Presence::at(model, time));
         let Some(next) = next.filter(|next| *next != self.presence) else {
             return Ok(false);
@@ -230,7 +266,20 @@ impl<const D: usize> State<D> {
         }
         for thing in self.new_things(model, &next) {
             if let Thing::Body(body) = thing {
-                self.fitted[body] = self.fitted_to(model, body);
+                self.fitted[body] = self.fitted_to(model, body, |of, node| {
+                    let before = self.fitted[of].as_ref().map_or([0.0; D], |own| own[node]);
+                    Some(add_scaled(self.moved[of].as_ref()?[node], 1.0, before))
+                });
+                if let Some(counted) = &self.counted {
+                    let then = self.fitted_to(model, body, |of, node| {
+                        let there = self.moved[of].is_some();
+                        there.then(|| counted.placed(of, node))
+                    });
+                    let counted = self.counted.as_mut().map(Arc::make_mut);
+                    counted
+                        .into_iter()
+                        .for_each(|own| own.comes(body, then.clone()));
+                }
                 self.yielded[body] = None;
             }
             let moved = self.moved.clone();
@@ -497,9 +546,14 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// At each node of a body that appears, the displacement of the nearest node on the other side of its contacts; `None` if it has
-    /// no contact with a present body.
-    fn fitted_to(&self, model: &Model<D>, body: usize) -> Motion<D> {
+    /// At each node of a body that appears, the displacement of the nearest node on the other side of its contacts, by body and node; `None`
+    /// if it has no contact with a present body.
+    fn fitted_to(
+        &self,
+        model: &Model<D>,
+        body: usize,
+        moved: impl Fn(usize, usize) -> Option<Point<D>>,
+    ) -> Motion<D> {
         let mut opposite: Vec<(Point<D>, Point<D>)> = Vec::new();
         for contact in &model.contacts {
             let sides = contact.pair.sides();
@@ -507,16 +561,11 @@ impl<const D: usize> State<D> {
                 continue;
             }
             for side in sides.into_iter().filter(|side| side.body.0 != body) {
-                let Some(moved) = &self.moved[side.body.0] else {
-                    continue;
-                };
                 let mesh = &model.bodies[side.body.0].mesh;
-                let before = &self.fitted[side.body.0];
                 let nodes = mesh.side_nodes(&side.side).unwrap_or_default();
-                opposite.extend(nodes.into_iter().map(|node| {
+                opposite.extend(nodes.into_iter().filter_map(|node| {
                     let node = node as usize;
-                    let before = before.as_ref().map_or([0.0; D], |before| before[node]);
-                    (mesh.points()[node], add_scaled(moved[node], 1.0, before))
+                    Some((mesh.points()[node], moved(side.body.0, node)?))
                 }));
             }
         }
