@@ -643,6 +643,7 @@ class Model:
         mean_of_neighbours: bool | None = None,
         minus_rigid: str | None = None,
         center: Place | None = None,
+        factor: Number | None = None,
     ) -> Model:
         """Adds a probe, which every solution of this model reads.
 

@@ -772,6 +772,7 @@ class Solution(_Frozen):
         mean_of_neighbours: bool | None = None,
         minus_rigid: str | None = None,
         center: Any = None,
+        factor: float | str | None = None,
     ) -> float: ...
 
     @overload
@@ -784,6 +785,7 @@ class Solution(_Frozen):
         reduce: str,
         minus_rigid: str | None = None,
         center: Any = None,
+        factor: float | str | None = None,
     ) -> float: ...
 
     @overload
@@ -796,6 +798,7 @@ class Solution(_Frozen):
         reduce: None = None,
         minus_rigid: str | None = None,
         center: Any = None,
+        factor: float | str | None = None,
     ) -> Line: ...
 
     def probe(
@@ -807,6 +810,7 @@ class Solution(_Frozen):
         mean_of_neighbours: bool | None = None,
         minus_rigid: str | None = None,
         center: Any = None,
+        factor: float | str | None = None,
     ) -> float | Line:
         """Reads a quantity, as a probe of a case file does: a number, or along a line distance, points and values.
 

@@ -308,6 +308,7 @@ pub const PROBE: &[&str] = &[
     "mean_of_neighbours",
     "minus_rigid",
     "center",
+    "factor",
 ];
 /// `along` of a probe, when it is a line.
 pub const ALONG: &[&str] = &["from", "to", "points"];

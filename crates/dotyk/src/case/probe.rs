@@ -6,7 +6,7 @@ use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::place;
 use crate::case::suggest::listed;
-use crate::geometry::distance;
+use crate::geometry::{Field, distance};
 use crate::model::{
     Along, Body, BodyId, Contact, Member, Mistake, Probe, Quantity, QuantityError, Reading, Section,
 };
@@ -69,6 +69,7 @@ pub(crate) fn probe<const D: usize>(
     Ok(Probe {
         minus_rigid: minus_rigid(table, &quantity, bodies)?,
         center: center(table, &quantity)?,
+        factor: factor(table, &quantity)?,
         reading: reading(table, &name, &quantity, along.as_ref(), bodies)?,
         along,
         name,
@@ -318,6 +319,22 @@ fn center<const D: usize>(table: Table<'_>, quantity: &Quantity) -> Result<[f64;
             Err(Fault::new(&entry.key_span, message).label("says nothing here"))
         }
     }
+}
+
+/// The factor of each value: an expression, of t alone for what is one number.
+fn factor(table: Table<'_>, quantity: &Quantity) -> Result<Option<Field>, Fault> {
+    let Some(node) = table.get("factor") else {
+        return Ok(None);
+    };
+    let factor = match quantity.is_field() {
+        true => node.field()?,
+        false => node.course()?,
+    };
+    if factor.is_sampled() {
+        let message = "the factor of a probe is a number or an expression";
+        return Err(Fault::new(&node.span, message).label("a function"));
+    }
+    Ok(Some(factor))
 }
 
 fn minus_rigid<const D: usize>(

@@ -233,3 +233,101 @@ fn fields_of_bodies_are_read_by_their_names() {
         assert!(said.contains(words), "{quantity}: {said}");
     }
 }
+
+/// A block under a pressure p = 2 on a floor without friction: what a factor of place and time makes of it, by hand.
+#[test]
+fn a_factor_weighs_values_before_they_become_one() {
+    let text = r#"
+analysis = "plane-stress"
+parameters = { mu = 0.25 }
+[[step]]
+time = 3
+[[body]]
+name = "block"
+mesh = { rectangle = { from = [1, 0], to = [3, 1], cells = [6, 3], cell = "quad9" } }
+material = { young = 100, poisson = 0.0, thickness = 0.5 }
+fix = [{ side = "left", x = 0 }]
+load = [{ side = "top", pressure = 2 }, { side = "right", traction = [3, 0] }]
+[[contact]]
+name = "floor"
+nonmortar = "block.bottom"
+obstacle = { gap = 0 }
+[[section]]
+name = "cut"
+body = "block"
+sides = ["top", "bottom"]
+stations = 3
+[[probe]]
+name = "torque"
+quantity = "floor.pressure"
+factor = "mu*x"
+reduce = "integral"
+[[probe]]
+name = "lever"
+quantity = "floor.pressure"
+factor = "x^2"
+reduce = "mean"
+[[probe]]
+name = "at"
+quantity = "block.stress.yy"
+factor = "y*t"
+at = [2, 0.5]
+[[probe]]
+name = "volume"
+quantity = "block.stress.yy"
+factor = "x*y"
+reduce = "integral"
+[[probe]]
+name = "side"
+quantity = "block.stress.yy"
+factor = "x"
+along = "block.top"
+reduce = "integral"
+[[probe]]
+name = "most"
+quantity = "block.stress.yy"
+factor = "-x"
+reduce = "max"
+[[probe]]
+name = "number"
+quantity = "floor.force.y"
+factor = "2*t"
+[[probe]]
+name = "cut"
+quantity = "cut.N"
+factor = "x"
+reduce = "mean"
+[[probe]]
+name = "line"
+quantity = "block.stress.yy"
+factor = "10*x"
+along = { from = [1, 0.5], to = [3, 0.5], points = 3 }
+"#;
+    let text = text.replace("floor.force.y", "block.reaction.x");
+    let (_, steps) = crate::links::solved(&text);
+    let value = |name: &str| steps[0].probe(name).unwrap();
+    for (name, expected) in [
+        // ∫ μ x p t dx, t = 1/2
+        ("torque", 0.25 * 2.0 * 0.5 * 4.0),
+        ("at", -2.0 * 0.5 * 3.0),
+        ("volume", -2.0 * 0.5 * 4.0 * 0.5),
+        ("side", -2.0 * 0.5 * 4.0),
+        ("most", 6.0),
+        // of the supports along x: what pulls at the other end
+        ("number", -3.0 * 0.5 * 6.0),
+        ("cut", 3.0 * 2.0),
+    ] {
+        crate::links::near(value(name), expected, 1e-9);
+    }
+    // nodes with their weights, not an integral: between the mean of nodes and that of x²
+    let lever = value("lever") / 2.0;
+    assert!((lever - 13.0 / 3.0).abs() < 0.05, "{lever}");
+    let probes = &steps[0].probes;
+    let line = &probes.iter().find(|p| p.name == "line").unwrap().line;
+    let values: Vec<f64> = line.iter().map(|at| at.value).collect();
+    for (found, expected) in values.iter().zip([-20.0, -40.0, -60.0]) {
+        crate::links::near(*found, expected, 1e-9);
+    }
+    let refused = crate::links::refused(&text.replace("factor = \"2*t\"", "factor = \"2*x\""));
+    assert!(refused.to_string().contains('x'), "{refused}");
+}

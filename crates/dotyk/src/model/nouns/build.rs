@@ -249,6 +249,7 @@ impl<const D: usize> Model<D> {
             along: None,
             minus_rigid: None,
             center: [0.0; D],
+            factor: None,
         });
         let last = self.probes.len() - 1;
         Ok(&mut self.probes[last])

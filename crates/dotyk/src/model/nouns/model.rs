@@ -390,7 +390,7 @@ impl<const D: usize> Default for SolverOptions<D> {
 }
 
 /// A number to read off the solution, or numbers along a line.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Probe<const D: usize> {
     /// Unique name.
     pub name: String,
@@ -404,6 +404,8 @@ pub struct Probe<const D: usize> {
     pub minus_rigid: Option<BodyId>,
     /// Centre of hoop stresses in plane analyses, and of moments in space.
     pub center: Point<D>,
+    /// A factor of each value before values become one number: of place and time, of time alone where there is one number.
+    pub factor: Option<Field>,
 }
 
 /// How a quantity that varies becomes one number.
@@ -456,6 +458,9 @@ impl<const D: usize> Probe<D> {
 
     /// The dimension of its value.
     pub fn dimension(&self) -> Dimension {
+        if self.factor.is_some() {
+            return Dimension::Other;
+        }
         match (self.reading, self.quantity.dimension()) {
             (Reading::Integral, Dimension::Stress)
                 if self.quantity.is_of_contact()

@@ -13,7 +13,7 @@ use crate::mesh::{Facet, Located, Mesh, locate, locate_all, locate_on_side};
 use crate::model::nouns::error::{Error, ProbeError};
 use crate::model::nouns::field::FieldKind;
 use crate::model::nouns::ids::{BodyId, SideRef};
-use crate::model::nouns::member::MemberSolution;
+use crate::model::nouns::member::{MemberSolution, MemberStation};
 use crate::model::nouns::model::{Along, Analysis, Model, Probe, Reading};
 use crate::model::nouns::quantity::{BedQuantity, ContactField, Parts, Since, Stress, Touching};
 use crate::model::nouns::section::{SectionQuantity, SectionSolution};
@@ -209,21 +209,38 @@ fn read<const D: usize>(
     if probe.quantity.is_absent() {
         return Ok(f64::NAN.into());
     }
+    let factor = |point: Point<D>| -> f64 {
+        let own = probe.factor.as_ref();
+        own.map_or(1.0, |factor| factor.at(point, solution.time))
+    };
     if let Parts::Section(of, field) = probe.quantity.parts {
-        return Ok(along_section(&solution.sections[of], field, probe.reading));
+        let section = &solution.sections[of];
+        return Ok(along_section(section, field, (probe.reading, &factor)));
     }
     if let Parts::Member(of) = probe.quantity.parts {
-        return Ok(along_member(&solution.members[of], probe.reading));
+        let member = &solution.members[of];
+        return Ok(along_member(member, (probe.reading, &factor)));
     }
     if let Parts::Bed(of, side, quantity) = &probe.quantity.parts {
         let of_side = |bed: &&BedSolution<D>| bed.side.body.0 == *of && bed.side.side == *side;
         let bed = solution.beds.iter().find(of_side);
         return Ok(bed.map_or(f64::NAN.into(), |bed| {
-            within_bed(bed, *quantity, probe.reading)
+            within_bed(bed, *quantity, (probe.reading, &factor))
         }));
     }
     let field = match field(model, solution, probe) {
-        Quantified::Number(number) => return Ok(number.into()),
+        Quantified::Number(number) => {
+            let couple = probe.coupled(model);
+            let place = couple.map_or([f64::NAN; D], |couple| couple.point);
+            return Ok((number * factor(place)).into());
+        }
+        Quantified::Varies(field) if probe.factor.is_some() => {
+            let points = model.bodies[field.carrier.body()].mesh.points();
+            let ReadField { carrier, value } = field;
+            ReadField::new(carrier, move |found| {
+                value(found) * factor(found.interpolate(|node| points[node]))
+            })
+        }
         Quantified::Varies(field) => field,
     };
     if probe.is_line() {
@@ -301,11 +318,14 @@ fn within<const D: usize>(
     samples
 }
 
+/// The factor of a value at a point.
+type Factor<'a, const D: usize> = &'a dyn Fn(Point<D>) -> f64;
+
 /// A quantity of a section, read at its stations; mean and integral run over s.
 fn along_section<const D: usize>(
     section: &SectionSolution,
     quantity: SectionQuantity,
-    reading: Reading<D>,
+    (reading, factor): (Reading<D>, Factor<'_, D>),
 ) -> Read<D> {
     let place = |point: [f64; 2]| -> Point<D> { std::array::from_fn(|i| point[i.min(1)]) };
     let stations = &section.stations;
@@ -316,37 +336,48 @@ fn along_section<const D: usize>(
         0.5 * (before.max(0.0) + after.max(0.0))
     };
     let all = stations.iter().enumerate();
-    let all = all.map(|(k, at)| (place(at.point), share(k), quantity.at(at)));
+    let all = all.map(|(k, at)| {
+        let point = place(at.point);
+        (point, share(k), quantity.at(at) * factor(point))
+    });
     // stations of bodies that are not there have no value
     let counts = |value: f64| matches!(reading, Reading::At(_)) || !value.is_nan();
     at_stations(all.filter(|(_, _, value)| counts(*value)), reading)
 }
 
 /// The force of a member, read at its stations; alone it is the one of the largest magnitude.
-fn along_member<const D: usize>(member: &MemberSolution<D>, reading: Reading<D>) -> Read<D> {
+fn along_member<const D: usize>(
+    member: &MemberSolution<D>,
+    (reading, factor): (Reading<D>, Factor<'_, D>),
+) -> Read<D> {
     if reading == Reading::Whole {
         let largest = member.largest();
+        let value = largest.map(|station| station.force * factor(station.point));
         return Read {
             at: largest.map(|station| station.point),
-            ..largest.map_or(f64::NAN, |station| station.force).into()
+            ..value.unwrap_or(f64::NAN).into()
         };
     }
     let stations = member.stations.iter();
-    at_stations(stations.map(|at| (at.point, at.length, at.force)), reading)
+    let value = |at: &MemberStation<D>| at.force * factor(at.point);
+    at_stations(stations.map(|at| (at.point, at.length, value(at))), reading)
 }
 
 /// A quantity of a bed, read at its points.
 fn within_bed<const D: usize>(
     bed: &BedSolution<D>,
     quantity: BedQuantity,
-    reading: Reading<D>,
+    (reading, factor): (Reading<D>, Factor<'_, D>),
 ) -> Read<D> {
-    let value = |at: &BedPoint<D>| match quantity {
-        BedQuantity::Gap => at.gap,
-        BedQuantity::Pressure | BedQuantity::ClosedArea => at.pressure,
+    let value = |at: &BedPoint<D>| {
+        factor(at.point)
+            * match quantity {
+                BedQuantity::Gap => at.gap,
+                BedQuantity::Pressure | BedQuantity::ClosedArea => at.pressure,
+            }
     };
     match quantity {
-        BedQuantity::ClosedArea => bed.closed_area().into(),
+        BedQuantity::ClosedArea => (bed.closed_area() * factor([f64::NAN; D])).into(),
         _ => at_stations(
             bed.points.iter().map(|at| (at.point, at.area, value(at))),
             reading,
