@@ -12,6 +12,7 @@
 """
 
 from dotyk import _dotyk
+from dotyk._compare import Comparison, Difference, compare
 from dotyk._dual import Block, Dual, Problem
 from dotyk._errors import ArgumentError, Error, InputError, NotConverged, UnknownName
 from dotyk._mesh import (
@@ -40,8 +41,10 @@ __all__ = [
     "BodyCheck",
     "BodySolution",
     "Check",
+    "Comparison",
     "ContactCheck",
     "ContactSolution",
+    "Difference",
     "Dual",
     "Error",
     "Figure",
@@ -61,6 +64,7 @@ __all__ = [
     "__version__",
     "box",
     "check",
+    "compare",
     "cylinder",
     "drawing",
     "extrude",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
 import math
@@ -15,7 +14,7 @@ from dotyk import _dotyk
 from dotyk._errors import InputError, UnknownName
 from dotyk._mesh import _VTK, Mesh, _frozen
 from dotyk._vtu import arrays_of
-from dotyk._words import Writer, friend, keywords, path_of
+from dotyk._words import Writer, friend, keywords, path_of, written
 
 if TYPE_CHECKING:
     import numpy as np
@@ -834,17 +833,7 @@ class Solution(_Frozen):
         """
         page: str = self._run.report()
         if path is not None:
-            name = path_of(path, "path")
-            part = name + ".part"
-            try:
-                with open(part, "w", encoding="utf-8") as stream:
-                    stream.write(page)
-                # whole or not at all
-                os.replace(part, name)
-            except OSError as error:
-                with contextlib.suppress(OSError):
-                    os.remove(part)
-                raise InputError(f"cannot write {name}: {error.strerror}") from error
+            written(path, page)
         return page
 
     def write(self, folder: str | os.PathLike[str]) -> list[str]:

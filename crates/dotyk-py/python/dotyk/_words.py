@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import inspect
 import keyword
@@ -292,6 +293,20 @@ def text_of(value: Any, name: str) -> str:
     if not isinstance(value, str):
         raise ArgumentError(f"`{name}` is a string, not {value!r}")
     return value
+
+
+def written(path: Any, page: str) -> None:
+    """Writes a page into a file, whole or not at all."""
+    name = path_of(path, "path")
+    part = name + ".part"
+    try:
+        with open(part, "w", encoding="utf-8") as stream:
+            stream.write(page)
+        os.replace(part, name)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            os.remove(part)
+        raise InputError(f"cannot write {name}: {error.strerror}") from error
 
 
 def path_of(path: Any, name: str) -> str:
