@@ -124,11 +124,6 @@ impl Layer {
         self.cells.is_empty()
     }
 
-    /// A node of its cells.
-    pub fn has(&self, node: usize) -> bool {
-        self.nodes.contains(&(node as u32))
-    }
-
     /// φ is 1 at a node.
     pub fn rises(&self, node: usize) -> bool {
         self.rises[node]

@@ -209,8 +209,10 @@ fn path<'m>(sides: &[(&'m Mesh<2>, &str)]) -> Result<(Facets<'m>, bool), StripEr
 
 /// The names of sides, those of several bodies each once.
 fn in_words(sides: &[(&Mesh<2>, &str)]) -> String {
-    let mut names: Vec<&str> = sides.iter().map(|(_, side)| *side).collect();
-    names.dedup();
+    let mut names: Vec<&str> = Vec::new();
+    for (_, side) in sides {
+        names.extend((!names.contains(side)).then_some(*side));
+    }
     names.join("\", \"")
 }
 
@@ -521,8 +523,8 @@ impl<'m> Strip<'m> {
     }
 
     /// Places of both sides that ribs may join, with their points, in order: equal parts of the facets, and the feet of the
-    /// nodes opposite. Where these are no such parts, the sides do not match, and feet of all parts are taken: there would be
-    /// oblique ribs between those of the nodes, the more so the thinner the strip.
+    /// nodes opposite. Where these are no such parts, or their numbers differ, the sides do not match, and feet of all parts are taken:
+    /// there would be oblique ribs between those of the nodes, the more so the thinner the strip.
     fn samples(&self) -> [Vec<(f64, Point<2>)>; 2] {
         let even = self.sides.each_ref().map(Track::even);
         let polygons = [0, 1].map(|k| self.sides[k].polygon(&even[k]));
@@ -542,7 +544,7 @@ impl<'m> Strip<'m> {
             let hits = rays.filter_map(|ray| hit(k, ray));
             hits.filter(|&at| !known(k, at)).collect::<Vec<f64>>()
         });
-        if feet.iter().any(|own| !own.is_empty()) {
+        if even[0].len() != even[1].len() || feet.iter().any(|own| !own.is_empty()) {
             for (k, own) in feet.iter_mut().enumerate() {
                 let hits = self.sides[1 - k].rays_within();
                 own.extend(

@@ -172,19 +172,21 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for section in &solution.sections {
-            // where no body is there yet, there is no row
-            let known = section.stations.iter().enumerate();
-            let known = known.filter(|(_, station)| !station.normal.is_nan());
-            numbered(&mut out, (step, &section.name), known, |out, station| {
-                let [x, y] = station.point;
-                numbers(out, &[station.s, x, y, station.angle(), station.thickness]);
-                numbers(out, &[station.normal, station.shear, station.moment]);
-                numbers(out, &station.edge_stress());
-                numbers(out, station.hoop.as_ref().map_or(&[], |hoop| &hoop[..]));
-                if limited {
-                    numbers(out, &[station.utilisation.unwrap_or(f64::NAN)]);
-                }
-            });
+            numbered(
+                &mut out,
+                (step, &section.name),
+                section.known(),
+                |out, station| {
+                    let [x, y] = station.point;
+                    numbers(out, &[station.s, x, y, station.angle(), station.thickness]);
+                    numbers(out, &[station.normal, station.shear, station.moment]);
+                    numbers(out, &station.edge_stress());
+                    numbers(out, station.hoop.as_ref().map_or(&[], |hoop| &hoop[..]));
+                    if limited {
+                        numbers(out, &[station.utilisation.unwrap_or(f64::NAN)]);
+                    }
+                },
+            );
         }
     }
     (out.len() > head).then_some(out)

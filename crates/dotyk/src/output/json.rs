@@ -516,10 +516,7 @@ fn member_entry<const D: usize>(member: &MemberSolution<D>) -> MemberEntry<'_> {
 }
 
 fn section_entry(section: &SectionSolution) -> SectionEntry<'_> {
-    // where no body is there yet, there is no station
-    let known = section.stations.iter().enumerate();
-    let known = known.filter(|(_, station)| !station.normal.is_nan());
-    let stations = known.map(|(index, station)| {
+    let stations = section.known().map(|(index, station)| {
         let [stress_first, stress_second] = station.edge_stress();
         let [x, y] = station.point;
         StationEntry {

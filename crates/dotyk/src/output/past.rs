@@ -31,6 +31,7 @@ struct Step {
     converged: bool,
     iterations: usize,
     time: f64,
+    displacements_from: Option<f64>,
     bodies: Vec<Body>,
 }
 
@@ -82,6 +83,7 @@ pub(crate) fn past<const D: usize>(dir: &Path) -> Result<Vec<Past<D>>, PastError
         .map(|step| Past {
             time: step.time,
             iterations: step.iterations,
+            counted_from: step.displacements_from,
             contacts: Vec::new(),
             bodies: step
                 .bodies

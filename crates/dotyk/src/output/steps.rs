@@ -239,7 +239,7 @@ fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Markup {
         let mut row = vec![
             count(s.solver.iterations),
             number(largest(bodies().map(BodySolution::max_displacement))),
-            number(largest(bodies().map(|body| moved_since(body, before)))),
+            number(largest(bodies().map(|body| moved_since((body, s), before)))),
             number(largest(stresses)),
             number(bodies().map(|b| b.strain_energy).sum()),
             if s.converged { "✓" } else { "✗" }.to_string(),
@@ -255,7 +255,12 @@ fn overview<const D: usize>(steps: &[&Solution<D>], labels: &Labels) -> Markup {
 }
 
 /// The largest displacement of a body since a step; since it came, where it was not there.
-fn moved_since<const D: usize>(body: &BodySolution<D>, before: Option<&Solution<D>>) -> f64 {
+fn moved_since<const D: usize>(
+    (body, now): (&BodySolution<D>, &Solution<D>),
+    before: Option<&Solution<D>>,
+) -> f64 {
+    // where displacements count anew, they count from that step
+    let before = before.filter(|before| before.counted_from == now.counted_from);
     let mut then = before.iter().flat_map(|solution| &solution.bodies);
     match then.find(|then| then.name == body.name) {
         Some(then) => {

@@ -68,12 +68,17 @@ pub fn trough_figure(scene: &Scene, steps: &[&Solution<2>]) -> Markup {
     };
     let least = values.clone().min_by(|a, b| a.value.total_cmp(&b.value));
     let most = values.max_by(|a, b| a.value.total_cmp(&b.value));
+    let anew = steps.iter().any(|step| step.counted_from.is_some());
+    let anew = match anew {
+        true => " Later steps count from a step of their own.",
+        false => "",
+    };
     let several = match steps.len() {
         1 => String::new(),
         all => format!(" after {} of {} load steps", count(shown.len()), count(all)),
     };
     let caption = format!(
-        "Over x{several}, upward positive.{}{}",
+        "Over x{several}, upward positive.{anew}{}{}",
         told("Lowest", least),
         told("Highest", most)
     );

@@ -290,7 +290,7 @@ factor = "-x"
 reduce = "max"
 [[probe]]
 name = "number"
-quantity = "floor.force.y"
+quantity = "block.reaction.x"
 factor = "2*t"
 [[probe]]
 name = "cut"
@@ -303,7 +303,6 @@ quantity = "block.stress.yy"
 factor = "10*x"
 along = { from = [1, 0.5], to = [3, 0.5], points = 3 }
 "#;
-    let text = text.replace("floor.force.y", "block.reaction.x");
     let (_, steps) = crate::links::solved(&text);
     let value = |name: &str| steps[0].probe(name).unwrap();
     for (name, expected) in [
@@ -329,5 +328,50 @@ along = { from = [1, 0.5], to = [3, 0.5], points = 3 }
         crate::links::near(*found, expected, 1e-9);
     }
     let refused = crate::links::refused(&text.replace("factor = \"2*t\"", "factor = \"2*x\""));
-    assert!(refused.to_string().contains('x'), "{refused}");
+    assert!(
+        refused.to_string().contains("`x` has no meaning here"),
+        "{refused}"
+    );
+}
+
+/// The factor of a member is that of each station before the largest is chosen.
+#[test]
+fn a_factor_is_that_of_each_station() {
+    let text = r#"
+analysis = "plane-stress"
+[[body]]
+name = "rock"
+mesh = { rectangle = { from = [0, 0], to = [4, 1], cells = [16, 4] } }
+material = { young = 100, poisson = 0.2 }
+fix = [{ side = "left", x = 0 }, { point = [0, 0], y = 0 }]
+load = [{ side = "right", traction = [1, 0] }]
+[[bar]]
+name = "bolt"
+from = [0.5, 0.5]
+to = [3.5, 0.5]
+young = 1e4
+area = 0.01
+bodies = ["rock"]
+bond = "grouted"
+[[probe]]
+name = "plain"
+quantity = "bolt.force"
+[[probe]]
+name = "weighed"
+quantity = "bolt.force"
+factor = "x^4"
+"#;
+    let (_, steps) = crate::links::solved(text);
+    let bolt = steps[0].member("bolt").unwrap();
+    let stations = || bolt.stations.iter();
+    let weighed = stations().map(|at| at.force * at.point[0].powi(4));
+    let most = weighed.fold(0.0, f64::max);
+    let value = |name: &str| steps[0].probe(name).unwrap();
+    assert!((value("weighed") / most - 1.0).abs() < 1e-12);
+    // not the station that bears most
+    let largest = bolt.largest().unwrap();
+    assert!(most > 1.01 * largest.force * largest.point[0].powi(4));
+    assert_eq!(value("plain"), largest.force);
+    let quantity = &steps[0].probes[1].quantity;
+    assert_eq!(quantity, "(x^4) bolt.force");
 }

@@ -78,7 +78,7 @@ fn bodies_side_by_side_are_one_beam() {
 /// Three layers with other cells, moduli and cuts of their own; the middle one has no long side.
 #[test]
 fn layers_are_one_beam() {
-    for (tied, seed) in [("tied = true", 1), ("tied = true", 2), ("tied = true", 3)] {
+    for seed in 1..4 {
         let mut random = Random(70_311 + seed);
         let mut below = |n: usize| (random.unit() * n as f64) as usize % n;
         let kinds = ["quad4", "tri3", "quad9", "tri6", "quad8"];
@@ -102,8 +102,8 @@ fn layers_are_one_beam() {
             (&meshes[2], &last),
         ];
         let contacts = format!(
-            "[[contact]]\nname = \"p\"\nsides = [\"b0.top\", \"b1.bottom\"]\n{tied}\n\
-             [[contact]]\nname = \"q\"\nsides = [\"b1.top\", \"b2.bottom\"]\n{tied}\n"
+            "[[contact]]\nname = \"p\"\nsides = [\"b0.top\", \"b1.bottom\"]\ntied = true\n\
+             [[contact]]\nname = \"q\"\nsides = [\"b1.top\", \"b2.bottom\"]\ntied = true\n"
         );
         let section =
             "bodies = [\"b0\", \"b1\", \"b2\"]\nsides = [\"b2.top\", \"b0.bottom\"]\nstations = 23";
@@ -242,7 +242,7 @@ fn segments_and_shells_are_one_ring() {
 }
 
 #[test]
-fn a_ring_grows_part_by_part() {
+fn a_bar_grows_part_by_part() {
     let text = r#"
 analysis = "plane-strain"
 [[body]]
@@ -325,4 +325,78 @@ fn sides_that_make_no_strip_are_told() {
     );
     let none = told("bodies = []\nsides = [\"top\", \"bottom\"]");
     assert!(none.contains("the list of bodies is empty"), "{none}");
+}
+
+/// Two bonded tubes under pressure: the hoop force of both is p r by statics, whatever the order of the bodies.
+#[test]
+fn hoop_forces_are_those_of_all_shells() {
+    let tube = |name: &str, from: f64, to: f64, young: f64, cells: &str, load: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\n\
+             mesh = {{ rectangle = {{ from = [{from}, 0], to = [{to}, 3], cells = {cells}, cell = \"quad9\" }} }}\n\
+             material = {{ young = {young}, poisson = 0.3 }}\nfix = [{{ side = \"bottom\", y = 0 }}, {{ side = \"top\", y = 0 }}]\n{load}\n"
+        )
+    };
+    let inner = tube(
+        "in",
+        1.0,
+        1.1,
+        1e5,
+        "[1, 7]",
+        "load = [{ side = \"left\", pressure = 1 }]",
+    );
+    let outer = tube("out", 1.1, 1.3, 1e3, "[2, 6]", "");
+    for order in ["\"in\", \"out\"", "\"out\", \"in\""] {
+        let text = format!(
+            "analysis = \"axisymmetric\"\n{inner}{outer}[[contact]]\nname = \"bond\"\n\
+             sides = [\"in.right\", \"out.left\"]\ntied = true\n\
+             [[section]]\nname = \"wall\"\nbodies = [{order}]\nsides = [\"in.left\", \"out.right\"]\nstations = [[1.1, 1.5]]\n"
+        );
+        let [hoop, _] = solved(&text).sections[0].stations[0].hoop.unwrap();
+        assert!((hoop - 1.0).abs() < 1e-3, "{order}: {hoop}");
+    }
+}
+
+/// Stations in the gap of a joint that is drawn open, in one layer and between two others: the joint bears what there is to bear.
+#[test]
+fn cuts_pass_through_the_gap_of_a_joint() {
+    let layer = |name: &str, x: [f64; 2], y: [f64; 2], cells: &str, keys: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ rectangle = {{ from = [{}, {}], to = [{}, {}], cells = {cells} }} }}\n\
+             material = {{ young = 3e7, poisson = 0 }}\n{keys}\n",
+            x[0], y[0], x[1], y[1]
+        )
+    };
+    let held = format!("fix = [{HELD}]");
+    let end = "load = [{ side = \"right\", pressure = 120 }]";
+    let joint = "[[contact]]\nname = \"joint\"\nsides = [\"a.right\", \"b.left\"]\ngap = \"closed\"\nfriction = 0.5\n";
+    let stations =
+        "stations = [[1.9, 0.25], [2, 0.25], [2.0005, 0.25], [2.001, 0.25], [2.1, 0.25]]";
+    let alone = layer("a", [0.0, 2.0], [0.0, 0.5], "[9, 2]", &held)
+        + &layer("b", [2.001, 4.0], [0.0, 0.5], "[7, 3]", end)
+        + joint
+        + "[[section]]\nname = \"cut\"\nbodies = [\"a\", \"b\"]\nsides = [\"top\", \"bottom\"]\n"
+        + stations;
+    let both = format!("{held}\n{end}");
+    let glue = |name: &str, sides: &str| {
+        format!("[[contact]]\nname = \"{name}\"\nsides = [{sides}]\ntied = true\n")
+    };
+    let within = layer("a", [0.0, 2.0], [0.2, 0.4], "[9, 1]", &held)
+        + &layer("b", [2.001, 4.0], [0.2, 0.4], "[7, 2]", end)
+        + &layer("low", [0.0, 4.0], [0.0, 0.2], "[16, 2]", &both)
+        + &layer("up", [0.0, 4.0], [0.4, 0.5], "[16, 1]", &both)
+        + joint
+        + &glue("la", "\"low.top\", \"a.bottom\"")
+        + &glue("lb", "\"low.top\", \"b.bottom\"")
+        + &glue("ua", "\"up.bottom\", \"a.top\"")
+        + &glue("ub", "\"up.bottom\", \"b.top\"")
+        + "[[section]]\nname = \"cut\"\nbodies = [\"a\", \"b\", \"low\", \"up\"]\nsides = [\"up.top\", \"low.bottom\"]\n"
+        + stations;
+    for text in [alone, within] {
+        let cut = &solved(&format!("analysis = \"plane-stress\"\n{text}")).sections[0];
+        for station in &cut.stations {
+            assert!((station.normal + 60.0).abs() < 1e-6, "{station:?}");
+            assert!(station.shear.abs() < 1e-6, "{station:?}");
+        }
+    }
 }

@@ -108,6 +108,16 @@ fn displacements_are_differences_and_all_else_stays() {
                     let z = own.map_or([0.0; 2], |own| own.displacement[node]);
                     assert!(off(*u, [all[0] - z[0], all[1] - z[1]]) < 1e-15);
                 }
+                // the rigid part is linear in the displacements
+                let z = own.map_or([0.0; 3], |own| {
+                    let [x, y] = own.rigid.translation;
+                    [x, y, own.rigid.rotation[0]]
+                });
+                let [x, y] = same.rigid.translation;
+                let moved = [x - z[0], y - z[1]];
+                assert!(off(body.rigid.translation, moved) < 1e-14);
+                let turned = same.rigid.rotation[0] - z[2];
+                assert!((body.rigid.rotation[0] - turned).abs() < 1e-14);
                 for (j, (point, all)) in body.couples.iter().zip(&same.couples).enumerate() {
                     let z = own.map_or([0.0; 2], |own| own.couples[j].displacement);
                     let a = own.map_or(0.0, |own| own.couples[j].rotation[0]);
@@ -127,6 +137,11 @@ fn displacements_are_differences_and_all_else_stays() {
             }
             for (contact, same) in now.contacts.iter().zip(&before.contacts) {
                 let own = then.and_then(|then| then.contact(&contact.name));
+                let tool = [contact, same].map(|c| c.obstacle.map_or(0.0, |moved| moved[0]));
+                let before = own
+                    .and_then(|own| own.obstacle)
+                    .map_or(0.0, |moved| moved[0]);
+                near(tool[0], tool[1] - before, 1e-15);
                 for (j, (a, b)) in contact.nodes.iter().zip(&same.nodes).enumerate() {
                     let bits = |n: &dotyk::model::ContactNode<2>| {
                         [n.gap, n.pressure, n.shear[0], n.slip[0]].map(f64::to_bits)
@@ -219,4 +234,22 @@ fn moments_add_up() {
             assert!(off([u[0] + sum[0], u[1] + sum[1]], all) < 1e-14);
         }
     }
+}
+
+/// A run that goes on from one whose displacements counted otherwise is refused with that reason.
+#[test]
+fn another_moment_is_told() {
+    let (_, plain) = solved(&text(&[], ""));
+    let (case, _) = solved(&text(&[2], ""));
+    let past: Vec<Past<2>> = plain[..3].iter().map(Past::from).collect();
+    let error = case
+        .model
+        .solve_steps_after(&past, &mut |_| {})
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("`zero_displacements` was another"),
+        "{error}"
+    );
 }

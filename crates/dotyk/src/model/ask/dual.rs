@@ -6,7 +6,7 @@ use crate::geometry::Point;
 use crate::linalg::SparseMatrix;
 use crate::model::march::attempt::{Attempt, Start};
 use crate::model::march::equilibrate::certified;
-use crate::model::march::finish::finish;
+use crate::model::march::finish::{finish, tell};
 use crate::model::march::judge::{Judged, judge};
 use crate::model::march::objection::objection;
 use crate::model::nouns::error::{Error, Objection};
@@ -164,13 +164,9 @@ impl<const D: usize> Dual<D> {
         match objection(&self.stage.model, &self.condensed, &attempt, &judged) {
             None => Ok(multipliers),
             Some(reason) => {
-                let solution = finish(
-                    &self.stage,
-                    (&self.condensed, &self.view),
-                    attempt,
-                    judged,
-                    false,
-                )?;
+                let here = (&self.condensed, &self.view);
+                let mut solution = finish(&self.stage, here, attempt, judged, false)?;
+                tell(&self.stage.model, here, &mut solution)?;
                 Err(no_answer(reason, solution))
             }
         }
@@ -187,13 +183,9 @@ impl<const D: usize> Dual<D> {
         let (attempt, judged) = self.judged(multipliers)?;
         let objection = objection(&self.stage.model, &self.condensed, &attempt, &judged);
         let holds = objection.is_none();
-        let solution = finish(
-            &self.stage,
-            (&self.condensed, &self.view),
-            attempt,
-            judged,
-            holds,
-        )?;
+        let here = (&self.condensed, &self.view);
+        let mut solution = finish(&self.stage, here, attempt, judged, holds)?;
+        tell(&self.stage.model, here, &mut solution)?;
         match objection {
             None => Ok(solution),
             Some(reason) => Err(no_answer(reason, solution)),

@@ -146,7 +146,7 @@ pub(crate) fn finish<const D: usize>(
         )?);
     }
     let sections = section_forces(model, (condensed, &view.laid), (&bodies, &exerted))?;
-    let mut solution = Solution {
+    Ok(Solution {
         time: condensed.time,
         counted_from: None,
         dofs: bodies.iter().map(|body| body.dofs).sum(),
@@ -173,9 +173,21 @@ pub(crate) fn finish<const D: usize>(
         contact_unknowns: condensed.gaps.len(),
         threads: rayon::current_num_threads(),
         seconds: condensed.seconds,
-    };
-    solution.probes = read_probes(model, &view.sites, &solution)?;
-    Ok(solution)
+    })
+}
+
+/// Makes the displacements of a solution count from where the model says, and reads its probes: the last that is done to it.
+///
+/// Errors: those of [`read_probes`].
+pub(crate) fn tell<const D: usize>(
+    model: &Model<D>,
+    (condensed, view): (&Condensed<D>, &View<D>),
+    solution: &mut Solution<D>,
+) -> Result<(), Error<D>> {
+    let conditions = &condensed.conditions;
+    condensed.state.count(model, conditions, solution);
+    solution.probes = read_probes(model, &view.sites, solution)?;
+    Ok(())
 }
 
 fn bolt_reports<const D: usize>(

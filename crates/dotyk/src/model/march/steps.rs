@@ -5,7 +5,7 @@ use crate::dual::Multipliers;
 use crate::fem::FemError;
 use crate::model::march::attempt::Start;
 use crate::model::march::equilibrate::equilibrate;
-use crate::model::march::finish::finish;
+use crate::model::march::finish::{finish, tell};
 use crate::model::march::judge::Judged;
 use crate::model::march::objection::objection;
 use crate::model::march::past::{
@@ -19,7 +19,7 @@ use crate::model::nouns::model::{Law, Model};
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::Solution;
 use crate::model::nouns::told::told_once;
-use crate::model::read::probe::{all_probes, read_probes};
+use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
 use crate::model::system::condense::{Condensed, linearise};
@@ -326,7 +326,7 @@ fn solve_again<const D: usize>(
     if let Some(found) = &state.forces {
         same_forces(&here.0, model, &recorded, found).map_err(differs)?;
     }
-    same_bodies((&here.0, model), &done.bodies, &solution.bodies).map_err(differs)?;
+    same_bodies((&here.0, model), done, &solution).map_err(differs)?;
     solution.solver.iterations = done.iterations;
     Ok((state, solution, None))
 }
@@ -375,9 +375,7 @@ fn solve_step<const D: usize>(
     let yielded = of_bodies.map(|body| body.system.history.yielded.clone());
     let (of_conditions, yielded) = (&condensed.conditions[..], yielded.collect());
     state.remember(&mut solution, of_conditions, (load, forces), slid, yielded);
-    if state.count(model, of_conditions, &mut solution) {
-        solution.probes = read_probes(model, &view.sites, &solution)?;
-    }
+    tell(model, (condensed, view), &mut solution)?;
     condensed.seconds.recover += lap.seconds();
     condensed.seconds.total = start.elapsed().as_secs_f64();
     solution.seconds = condensed.seconds;

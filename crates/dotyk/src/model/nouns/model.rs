@@ -524,7 +524,8 @@ pub struct Model<const D: usize> {
     pub times: Vec<f64>,
     /// Names of the load steps, empty where they have none; as many as times, or none at all.
     pub step_names: Vec<String>,
-    /// Times of the load steps from which on displacements in results count from the end of the step before; they change nothing else.
+    /// Times: from the first load step at or after each of them on, displacements in results count from the end of the step before. They
+    /// change nothing else.
     pub zeroed: Vec<f64>,
     /// Named values with which the model was made, for the results.
     pub parameters: Vec<(String, f64)>,

@@ -127,7 +127,7 @@ pub(crate) struct Stage<'m, const D: usize> {
     /// Absent contacts: their names, and their sides on present bodies.
     pub absent: Vec<(String, Vec<SideRef>)>,
     /// Absent bodies of each present section; empty where all are there.
-    pub uncut: Vec<Vec<Absent<D>>>,
+    pub missing: Vec<Vec<Absent<D>>>,
 }
 
 /// A body of a section that is not there: its middle line goes on along it.
@@ -150,7 +150,7 @@ impl<'m, const D: usize> Stage<'m, D> {
                 tightened.collect()
             },
             absent: Vec::new(),
-            uncut: Vec::new(),
+            missing: Vec::new(),
         }
     }
 
@@ -164,7 +164,7 @@ impl<'m, const D: usize> Stage<'m, D> {
             let sides = sides.filter_map(|side| placed(side, &places)).collect();
             (contact.name.clone(), sides)
         });
-        let cut = kept(&model.sections, &there.cut(model))
+        let missing_bodies = kept(&model.sections, &there.cut(model))
             .map(|section| {
                 let gone = section.bodies.iter().filter(|body| !there.bodies[body.0]);
                 let absent = gone.map(|body| Absent {
@@ -178,7 +178,7 @@ impl<'m, const D: usize> Stage<'m, D> {
             })
             .collect();
         Self {
-            uncut: cut,
+            missing: missing_bodies,
             model: match there.is_whole() {
                 true => Cow::Borrowed(model),
                 false => Cow::Owned(model.part(there, None)),
@@ -194,7 +194,7 @@ impl<'m, const D: usize> Stage<'m, D> {
             model: Cow::Owned(self.model.into_owned()),
             tightening: self.tightening,
             absent: self.absent,
-            uncut: self.uncut,
+            missing: self.missing,
         }
     }
 

@@ -196,6 +196,12 @@ impl SectionQuantity {
 }
 
 impl SectionSolution {
+    /// The stations that are there, by their number from zero: those at which a body is present.
+    pub fn known(&self) -> impl Iterator<Item = (usize, &Station)> {
+        let all = self.stations.iter().enumerate();
+        all.filter(|(_, station)| !station.normal.is_nan())
+    }
+
     /// Station (from zero) and value of the smallest and the largest; `None` without values.
     pub fn extremes(&self, quantity: SectionQuantity) -> Option<[(usize, f64); 2]> {
         let values = self

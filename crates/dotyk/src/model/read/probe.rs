@@ -66,7 +66,10 @@ fn value<const D: usize>(
     let read = read(model, solution, probe, site)?;
     Ok(ProbeValue {
         name: probe.name.clone(),
-        quantity: probe.quantity.to_string(),
+        quantity: match &probe.factor {
+            Some(factor) => format!("({factor}) {}", probe.quantity),
+            None => probe.quantity.to_string(),
+        },
         dimension: probe.dimension(),
         value: read.value,
         at: read.at.map(padded),
@@ -329,10 +332,14 @@ fn along_section<const D: usize>(
 ) -> Read<D> {
     let place = |point: [f64; 2]| -> Point<D> { std::array::from_fn(|i| point[i.min(1)]) };
     let stations = &section.stations;
-    // the trapezoidal rule
+    // the trapezoidal rule between stations that are there
     let share = |k: usize| {
-        let before = stations[k].s - stations[k.saturating_sub(1)].s;
-        let after = stations[(k + 1).min(stations.len() - 1)].s - stations[k].s;
+        let to = |other: usize| {
+            let there = stations.get(other).filter(|other| !other.normal.is_nan());
+            there.map_or(stations[k].s, |other| other.s)
+        };
+        let before = stations[k].s - to(k.wrapping_sub(1));
+        let after = to(k + 1) - stations[k].s;
         0.5 * (before.max(0.0) + after.max(0.0))
     };
     let all = stations.iter().enumerate();
@@ -340,9 +347,7 @@ fn along_section<const D: usize>(
         let point = place(at.point);
         (point, share(k), quantity.at(at) * factor(point))
     });
-    // stations of bodies that are not there have no value
-    let counts = |value: f64| matches!(reading, Reading::At(_)) || !value.is_nan();
-    at_stations(all.filter(|(_, _, value)| counts(*value)), reading)
+    at_stations(all, reading)
 }
 
 /// The force of a member, read at its stations; alone it is the one of the largest magnitude.
@@ -351,11 +356,19 @@ fn along_member<const D: usize>(
     (reading, factor): (Reading<D>, Factor<'_, D>),
 ) -> Read<D> {
     if reading == Reading::Whole {
-        let largest = member.largest();
-        let value = largest.map(|station| station.force * factor(station.point));
+        let weighed = member.stations.iter();
+        let weighed = weighed.map(|at| (at.point, at.force * factor(at.point)));
+        let larger = |best: (Point<D>, f64), next: (Point<D>, f64)| {
+            if next.1.abs() > best.1.abs() {
+                next
+            } else {
+                best
+            }
+        };
+        let largest = weighed.reduce(larger);
         return Read {
-            at: largest.map(|station| station.point),
-            ..value.unwrap_or(f64::NAN).into()
+            at: largest.map(|(point, _)| point),
+            ..largest.map_or(f64::NAN, |(_, value)| value).into()
         };
     }
     let stations = member.stations.iter();

@@ -1,13 +1,14 @@
 //! Section forces N, V, M of bodies with two long sides: the cuts, the external forces, and their resultant on the part ahead of a cut.
 //! For the signs see `nouns/section.rs`.
 //!
-//! The resultant of several bodies is the sum of those of all whose cells the cut divides (`fem/cut.rs`). A contact between two of
-//! them acts on both at the ends of one line, and has no resultant on what is ahead, H f: of −Σ(φ − H)f its nodal forces, which are
-//! known, remain, −Σφ f, and no traction is made of them. Where two bodies meet at a cut it divides the one that begins there.
+//! The resultant of several bodies is the sum of those of all whose cells the cut divides (`fem/cut.rs`). The forces of a contact between
+//! two of them are inner ones, not among the forces ahead, H f: of −Σ(φ − H)f its nodal forces, which are known, remain, −Σφ f, and no
+//! traction is made of them. Their sum is zero where φ raises all or none of its nodes. Where two bodies meet at a cut it divides the one
+//! that begins there; where it lies in the gap of an open joint, the forces of the joint are all that it divides.
 
 use crate::fem::{Ahead, Analysis, Body, Push, Resultant};
 use crate::geometry::{Groups, Point, add_scaled, dot, padded, sub};
-use crate::mesh::{Cut, Located, Mesh, Strip, locate_all};
+use crate::mesh::{Cut, Facet, Located, Mesh, Strip, locate_all};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Model, Place};
@@ -27,12 +28,15 @@ pub(crate) struct Laid<const D: usize> {
     cuts: Vec<Cut>,
     length: f64,
     closed: bool,
-    /// With axial symmetry, for each cut: places on it with their bodies, and weights whose sum is its length.
-    across: Vec<Vec<(Option<Within<D>>, f64)>>,
+    /// With axial symmetry, for each cut.
+    across: Vec<Vec<Across<D>>>,
 }
 
 /// A place in a body.
 type Within<const D: usize> = (usize, Located<D>);
+
+/// A place on a cut, the part of the cut before it, and its weight; the sum of the weights is the length of the cut.
+type Across<const D: usize> = (Option<Within<D>>, f64, f64);
 
 impl<const D: usize> Section<D> {
     /// Its stations on the middle line of its bodies, which are some of a model's.
@@ -166,7 +170,7 @@ fn within(meshes: &[&Mesh<2>], cuts: &[Cut]) -> Option<(usize, [f64; 2])> {
 pub(crate) fn lay_out<const D: usize>(stage: &Stage<'_, D>) -> Result<Vec<Laid<D>>, Error<D>> {
     let model = stage.model.as_ref();
     let laid = model.sections.iter().enumerate().map(|(k, section)| {
-        let absent = stage.uncut.get(k).map_or(&[][..], Vec::as_slice);
+        let absent = stage.missing.get(k).map_or(&[][..], Vec::as_slice);
         let cuts = section.cuts(&model.bodies, absent);
         let (cuts, length, closed) = cuts.map_err(|source| Error::Section {
             section: section.name.clone(),
@@ -193,12 +197,9 @@ pub(crate) fn lay_out<const D: usize>(stage: &Stage<'_, D>) -> Result<Vec<Laid<D
 /// Parts of a cut, each integrated by a rule of three points.
 const PARTS: usize = 16;
 
-/// Places across a cut in these bodies, with their weights.
-fn places_on<const D: usize>(
-    model: &Model<D>,
-    bodies: &[usize],
-    cut: &Cut,
-) -> Vec<(Option<Within<D>>, f64)> {
+/// Places across a cut in these bodies: each with the part of the cut before it, from its first side, and a weight. Several bodies are
+/// integrated one by one: their stresses jump from one to the next.
+fn places_on<const D: usize>(model: &Model<D>, bodies: &[usize], cut: &Cut) -> Vec<Across<D>> {
     let step = sub(cut.second, cut.first);
     // Gauss's three points on [0, 1]
     let reach = 0.15_f64.sqrt();
@@ -207,22 +208,67 @@ fn places_on<const D: usize>(
         (0.5, 8.0 / 18.0),
         (0.5 + reach, 5.0 / 18.0),
     ];
-    let parts = (0..PARTS)
-        .flat_map(|k| rule.map(|(x, w)| ((k as f64 + x) / PARTS as f64, w / PARTS as f64)));
-    let (points, weights): (Vec<Point<D>>, Vec<f64>) = parts
-        .map(|(x, w)| {
-            let at = padded(add_scaled(cut.first, x, step));
-            (std::array::from_fn(|i| at[i]), w * cut.thickness())
-        })
-        .unzip();
-    let mut places: Vec<Option<Within<D>>> = vec![None; points.len()];
+    let mut ends = vec![0.0, 1.0];
+    if bodies.len() > 1 {
+        ends.extend(
+            bodies
+                .iter()
+                .flat_map(|&body| borders(&model.bodies[body].mesh, cut)),
+        );
+        ends.sort_by(f64::total_cmp);
+        ends.dedup_by(|b, a| *b - *a < ON_BORDER);
+    }
+    let mut places: Vec<(f64, f64)> = Vec::new();
+    for piece in ends.windows(2) {
+        let length = piece[1] - piece[0];
+        let parts = (0..PARTS)
+            .flat_map(|k| rule.map(|(x, w)| ((k as f64 + x) / PARTS as f64, w / PARTS as f64)));
+        places.extend(parts.map(|(x, w)| (piece[0] + length * x, length * w)));
+    }
+    let points = places.iter().map(|(x, _)| {
+        let at = padded(add_scaled(cut.first, *x, step));
+        std::array::from_fn(|i| at[i])
+    });
+    let points: Vec<Point<D>> = points.collect();
+    let mut found: Vec<Option<Within<D>>> = vec![None; points.len()];
     for &body in bodies {
-        let found = locate_all(&model.bodies[body].mesh, &points);
-        for (place, found) in places.iter_mut().zip(found) {
-            *place = place.take().or(found.map(|found| (body, found)));
+        let own = locate_all(&model.bodies[body].mesh, &points);
+        for (best, own) in found.iter_mut().zip(own) {
+            // beside a cell is not within it
+            let outside = best
+                .as_ref()
+                .map_or(f64::INFINITY, |(_, best)| best.outside);
+            if let Some(own) = own.filter(|own| own.outside < outside) {
+                *best = Some((body, own));
+            }
         }
     }
-    places.into_iter().zip(weights).collect()
+    let all = found.into_iter().zip(places);
+    all.map(|(place, (x, w))| (place, x, w * cut.thickness()))
+        .collect()
+}
+
+/// Where a cut crosses the boundary of a body, as parts of the cut.
+fn borders<const D: usize>(mesh: &Mesh<D>, cut: &Cut) -> Vec<f64> {
+    let (step, along) = (sub(cut.second, cut.first), cut.along());
+    let squared = dot(step, step);
+    let crossing = |facet: Facet| {
+        let [a, b] = [-1.0, 1.0].map(|xi| {
+            let at = mesh.facet_point(facet, &[xi]);
+            sub([at[0], at[1]], cut.first)
+        });
+        let (from, to) = (dot(a, along), dot(b, along));
+        if from * to > 0.0 || from == to {
+            return None;
+        }
+        let at = add_scaled(a, from / (from - to), sub(b, a));
+        let part = dot(at, step) / squared;
+        (0.0..=1.0).contains(&part).then_some(part)
+    };
+    mesh.boundary_facets()
+        .into_iter()
+        .filter_map(crossing)
+        .collect()
 }
 
 /// External forces on the bodies of a section: supports of sides, contacts, couples, and beds that only press.
@@ -243,7 +289,7 @@ pub(crate) fn exerted<const D: usize>(
     condensed: &Condensed<D>,
     displaced: &Displaced<D>,
     lambda: &[f64],
-) -> Vec<Exerted<D>> {
+) -> Vec<Arc<Exerted<D>>> {
     let conditions = &condensed.conditions;
     let mut together = Groups::new(conditions.len());
     for (contact, condition) in conditions.iter().enumerate() {
@@ -252,8 +298,7 @@ pub(crate) fn exerted<const D: usize>(
         }
     }
     let first: Vec<usize> = (0..conditions.len()).map(|k| together.first(k)).collect();
-    let of_section = |section: &Section<D>| {
-        let own: BTreeSet<usize> = section.bodies.iter().map(|body| body.0).collect();
+    let of_bodies = |own: &BTreeSet<usize>| {
         let inner = |condition: &Condition<D>| {
             let mortar = condition.mortar.as_ref();
             let both = [Some(&condition.nonmortar), mortar];
@@ -264,7 +309,7 @@ pub(crate) fn exerted<const D: usize>(
             on: BTreeMap::new(),
             between: Vec::new(),
         };
-        for &of in &own {
+        for &of in own {
             let (body, loaded) = (&model.bodies[of], &condensed.bodies[of]);
             let mut supports = vec![Push::default(); body.supports.len()];
             for (support, node, force) in support_forces(loaded, &displaced.states[of].reactions) {
@@ -302,7 +347,15 @@ pub(crate) fn exerted<const D: usize>(
         }
         exerted
     };
-    model.sections.iter().map(of_section).collect()
+    let mut known: BTreeMap<BTreeSet<usize>, Arc<Exerted<D>>> = BTreeMap::new();
+    let sections = model.sections.iter().map(|section| {
+        let own: BTreeSet<usize> = section.bodies.iter().map(|body| body.0).collect();
+        let exerted = known
+            .entry(own)
+            .or_insert_with_key(|own| Arc::new(of_bodies(own)));
+        Arc::clone(exerted)
+    });
+    sections.collect()
 }
 
 /// Forces of a contact between two bodies, by multipliers.
@@ -323,7 +376,7 @@ fn pairs<const D: usize>(condition: &Condition<D>, forces: &[f64]) -> Vec<Vec<Pu
 pub(crate) fn section_forces<const D: usize>(
     model: &Model<D>,
     (condensed, laid): (&Condensed<D>, &[Laid<D>]),
-    (bodies, exerted): (&[BodySolution<D>], &[Exerted<D>]),
+    (bodies, exerted): (&[BodySolution<D>], &[Arc<Exerted<D>>]),
 ) -> Result<Vec<SectionSolution>, Error<D>> {
     let asked = model.sections.iter().zip(laid).zip(exerted);
     let solved = asked.map(|((section, laid), exerted)| {
@@ -350,13 +403,11 @@ pub(crate) fn section_forces<const D: usize>(
                 }
                 layers.insert(of, layer);
             }
-            if let Some(sum) = &mut sum {
-                for pair in &exerted.between {
-                    let mut ends = pair.iter();
-                    if ends.any(|(of, node, _)| layers[of].has(*node)) {
-                        let risen = pair.iter().filter(|(of, node, _)| layers[of].rises(*node));
-                        risen.for_each(|(of, node, force)| ahead[of].push(cut, *node, *force, sum));
-                    }
+            for pair in &exerted.between {
+                let risen = || pair.iter().filter(|(of, node, _)| layers[of].rises(*node));
+                if (1..pair.len()).contains(&risen().count()) && through(model, cut, pair) {
+                    let sum = sum.get_or_insert(Resultant::default());
+                    risen().for_each(|(of, node, force)| ahead[of].push(cut, *node, *force, sum));
                 }
             }
             let (middle, thickness, first) = (cut.middle(), cut.thickness(), cut.toward_first());
@@ -396,19 +447,23 @@ pub(crate) fn section_forces<const D: usize>(
     solved.collect()
 }
 
-/// ∫σ_zz and ∫σ_zz y over a cut, from places in the order from its first side.
-fn hoop_forces<const D: usize>(
-    places: &[(Option<Within<D>>, f64)],
-    bodies: &[BodySolution<D>],
-) -> [f64; 2] {
-    let thickness: f64 = places.iter().map(|(_, weight)| weight).sum();
-    let parts = PARTS as f64;
-    let reach = 0.15_f64.sqrt();
+/// The forces of a multiplier act where the line of a cut passes between its ends.
+fn through<const D: usize>(model: &Model<D>, cut: &Cut, pair: &[Pushed<D>]) -> bool {
+    let along = pair.iter().map(|(of, node, _)| {
+        let [x, y] = [0, 1].map(|i| model.bodies[*of].mesh.points()[*node][i]);
+        dot(sub([x, y], cut.middle()), cut.toward_first())
+    });
+    let mean = along.sum::<f64>() / pair.len() as f64;
+    mean.abs() <= 0.5 * cut.thickness() * (1.0 + ON_BORDER)
+}
+
+/// ∫σ_zz and ∫σ_zz y over a cut, from places on it.
+fn hoop_forces<const D: usize>(places: &[Across<D>], bodies: &[BodySolution<D>]) -> [f64; 2] {
+    let thickness: f64 = places.iter().map(|(.., weight)| weight).sum();
     let mut sums = [0.0; 2];
-    for (k, (place, weight)) in places.iter().enumerate() {
+    for (place, x, weight) in places {
         let Some((of, place)) = place else { continue };
         let value = place.interpolate(|node| bodies[*of].stress_in(place.block, node))[2];
-        let x = ((k / 3) as f64 + 0.5 + reach * ((k % 3) as f64 - 1.0)) / parts;
         sums[0] += weight * value;
         sums[1] += weight * value * thickness * (0.5 - x);
     }

@@ -209,18 +209,11 @@ impl<const D: usize> State<D> {
         self.moved = moved.into();
     }
 
-    /// Makes the displacements of a solution of the stage count from where the model says; whether they do not from the beginning.
-    pub fn count(
-        &self,
-        model: &Model<D>,
-        conditions: &[Condition<D>],
-        solution: &mut Solution<D>,
-    ) -> bool {
-        let Some(counted) = &self.counted else {
-            return false;
-        };
-        counted.apply((model, &self.whole()), conditions, solution);
-        true
+    /// Makes the displacements of a solution of the stage count from where the model says.
+    pub fn count(&self, model: &Model<D>, conditions: &[Condition<D>], solution: &mut Solution<D>) {
+        if let Some(counted) = &self.counted {
+            counted.apply((model, &self.whole()), conditions, solution);
+        }
     }
 
     /// The present moment as the one from which displacements count.
@@ -246,7 +239,8 @@ impl<const D: usize> State<D> {
         (step, time): (usize, f64),
         last: Option<&[Condition<D>]>,
     ) -> Result<bool, Error<D>> {
-        if let Some(before) = self.time.filter(|_| model.zeroed.contains(&time)) {
+        let zeroed = |before: &f64| model.zeroed.iter().any(|&at| *before < at && at <= time);
+        if let Some(before) = self.time.filter(zeroed) {
             self.counted = Some(Arc::new(self.counted_from(before)));
         }
         let next = self.staged.then(|| Presence::at(model, time));
