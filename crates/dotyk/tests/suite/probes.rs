@@ -303,7 +303,7 @@ quantity = "block.stress.yy"
 factor = "10*x"
 along = { from = [1, 0.5], to = [3, 0.5], points = 3 }
 "#;
-    let (_, steps) = crate::links::solved(&text);
+    let (_, steps) = crate::links::solved(text);
     let value = |name: &str| steps[0].probe(name).unwrap();
     for (name, expected) in [
         // ∫ μ x p t dx, t = 1/2

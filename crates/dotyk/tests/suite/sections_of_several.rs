@@ -101,13 +101,11 @@ fn layers_are_one_beam() {
             (&meshes[1], &keys),
             (&meshes[2], &last),
         ];
-        let contacts = format!(
-            "[[contact]]\nname = \"p\"\nsides = [\"b0.top\", \"b1.bottom\"]\ntied = true\n\
-             [[contact]]\nname = \"q\"\nsides = [\"b1.top\", \"b2.bottom\"]\ntied = true\n"
-        );
+        let contacts = "[[contact]]\nname = \"p\"\nsides = [\"b0.top\", \"b1.bottom\"]\ntied = true\n\
+             [[contact]]\nname = \"q\"\nsides = [\"b1.top\", \"b2.bottom\"]\ntied = true\n";
         let section =
             "bodies = [\"b0\", \"b1\", \"b2\"]\nsides = [\"b2.top\", \"b0.bottom\"]\nstations = 23";
-        let text = beam(&bodies, &contacts, section).replacen("young = 3e7", "young = 2e6", 1);
+        let text = beam(&bodies, contacts, section).replacen("young = 3e7", "young = 2e6", 1);
         let cut = &solved(&text).sections[0];
         let error = off(cut, |s| cantilever(5.0 - s.point[0]));
         assert!(error < 1e-9, "{meshes:?}: {error:.1e}");
