@@ -148,7 +148,7 @@ fn fault(error: &SectionError, table: Table<'_>, what: &str) -> Fault {
     match error {
         SectionError::Sides(_) => Fault::new(span("sides"), message)
             .label("not two long sides of the body")
-            .help("a section lies between two sides that run along the body, such as `inner` and `outer` of a ring, `top` and `bottom` of a beam; a side in several parts is written as a list of names"),
+            .help("a section lies between two sides that run along the body, such as `inner` and `outer` of a ring, `top` and `bottom` of a beam; a side in several parts is written as a list of names; of several bodies `\"BODY.SIDE\"` is that of one of them"),
         SectionError::Off { index, .. } => {
             let stations = table.get("stations").and_then(|node| node.list().ok());
             let node = stations.and_then(|list| list.get(*index));

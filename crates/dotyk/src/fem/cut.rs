@@ -111,10 +111,9 @@ impl Resultant {
     }
 }
 
-/// The cells of a body about a cut in which φ rises, their nodes, and whether φ raises each node of the body.
+/// The cells of a body about a cut in which φ rises, and whether φ raises each node of the body.
 pub(crate) struct Layer {
     cells: Vec<(u32, u32)>,
-    nodes: BTreeSet<u32>,
     rises: Vec<bool>,
 }
 
@@ -282,7 +281,9 @@ impl<'a, const D: usize> Ahead<'a, D> {
         }
         // a point load at the end of the body is behind the cut, and its node ahead
         if cut.last {
-            for &node in &layer.nodes {
+            let cells = layer.cells.iter();
+            let nodes = cells.flat_map(|&(b, c)| self.body.mesh.cell_nodes(b as usize, c as usize));
+            for node in nodes.copied().collect::<BTreeSet<u32>>() {
                 let on = divide.ahead(self.at(node)).abs() <= 2.0 * ON_CUT * divide.half;
                 if let (true, Some(force)) = (on, self.points.get(&node)) {
                     sum.add(-1.0, divide.arm(self.at(node)), plane(*force));
@@ -292,7 +293,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         Ok(sum)
     }
 
-    /// Adds −φ f of a force of another body of the section at a node that φ raises.
+    /// Adds −φ f of a force ON the body at a node that φ raises, from another body of the section.
     pub fn push(&self, cut: &Cut, node: usize, force: Point<D>, sum: &mut Resultant) {
         let arm = sub(self.at(node as u32), cut.middle());
         sum.add(-1.0, arm, plane(force));
@@ -311,14 +312,8 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let rises: Vec<bool> = (0..self.around.len() as u32)
             .map(|node| divide.step(self.at(node), || centre(node)))
             .collect();
-        let cells = self.rising(&divide, &rises);
-        let mesh = &self.body.mesh;
-        let nodes = cells
-            .iter()
-            .flat_map(|&(b, c)| mesh.cell_nodes(b as usize, c as usize));
         Layer {
-            nodes: nodes.copied().collect(),
-            cells,
+            cells: self.rising(&divide, &rises),
             rises,
         }
     }

@@ -21,6 +21,7 @@
 
 use crate::geometry::{Point, add_scaled, distance, dot, norm, sub, unit};
 use crate::mesh::{Chain, Facet, Mesh};
+use std::collections::BTreeSet;
 
 /// A straight cut across a strip.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -457,12 +458,14 @@ impl<'m> Strip<'m> {
     pub fn between(sides: [&[(&'m Mesh<2>, &str)]; 2]) -> Result<Self, StripError> {
         let names = || (in_words(sides[0]), in_words(sides[1]));
         let (one, other) = (path(sides[0])?, path(sides[1])?);
-        let shared = |&(mesh, facet): &(&Mesh<2>, Facet)| {
-            let others = other.0.iter().filter(|(of, _)| std::ptr::eq(*of, mesh));
-            let mut others = others.flat_map(|&(_, facet)| mesh.facet_nodes(facet));
-            others.any(|node| mesh.facet_nodes(facet).any(|own| own == node))
+        let nodes = |facets: &Facets<'m>| -> BTreeSet<(*const Mesh<2>, u32)> {
+            let of = |&(mesh, facet): &(&'m Mesh<2>, Facet)| {
+                let nodes = mesh.facet_nodes(facet);
+                nodes.map(move |node| (std::ptr::from_ref(mesh), node))
+            };
+            facets.iter().flat_map(of).collect()
         };
-        if one.0.iter().any(shared) {
+        if !nodes(&one.0).is_disjoint(&nodes(&other.0)) {
             let (first, second) = names();
             return Err(StripError::Meet(first, second));
         }

@@ -70,7 +70,9 @@ pub fn trough_figure(scene: &Scene, steps: &[&Solution<2>]) -> Markup {
     let most = values.max_by(|a, b| a.value.total_cmp(&b.value));
     let anew = steps.iter().any(|step| step.counted_from.is_some());
     let anew = match anew {
-        true => " Later steps count from a step of their own.",
+        true => {
+            " From a step with `zero_displacements` on they count from the end of the step before it."
+        }
         false => "",
     };
     let several = match steps.len() {

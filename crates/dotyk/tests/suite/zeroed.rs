@@ -187,8 +187,9 @@ fn what_comes_later_stands_on_its_neighbours_in_pictures() {
     };
     let (on, under) = (place(2, [1.0, 1.0]), place(1, [1.0, 1.0]));
     let (a, b) = (lid.shown()[on], block.shown()[under]);
-    // glued there, but for the mesh that does not fit
-    assert!(off(a, b) < 2e-4, "{a:?} {b:?}");
+    // glued there, but for the mesh that does not fit: a part of what the block has moved
+    let most = block.max_displacement();
+    assert!(off(a, b) < 0.02 * most, "{a:?} {b:?} of {most}");
 }
 
 #[test]

@@ -28,6 +28,8 @@ pub(crate) struct Laid<const D: usize> {
     cuts: Vec<Cut>,
     length: f64,
     closed: bool,
+    /// All its bodies are there: where the cut passes through none of them, nothing is borne.
+    whole: bool,
     /// With axial symmetry, for each cut.
     across: Vec<Vec<Across<D>>>,
 }
@@ -188,6 +190,7 @@ pub(crate) fn lay_out<const D: usize>(stage: &Stage<'_, D>) -> Result<Vec<Laid<D
             cuts,
             length,
             closed,
+            whole: absent.is_empty(),
             across,
         })
     });
@@ -393,7 +396,7 @@ pub(crate) fn section_forces<const D: usize>(
             ahead.insert(of, own.map_err(in_body(of))?);
         }
         let stations = laid.cuts.iter().enumerate().map(|(k, cut)| {
-            let mut sum = None;
+            let mut sum = laid.whole.then(Resultant::default);
             let mut layers = BTreeMap::new();
             for (&of, ahead) in &ahead {
                 let layer = ahead.layer(cut);

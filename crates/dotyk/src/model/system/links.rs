@@ -1,6 +1,6 @@
 //! Links: rows of B between bodies and small elastic parts of their own, with one stiffness k for each row and the elastic displacement
-//! q. Beds that only press (`bed.rs`), members (`member.rs`) and gaskets (`gasket.rs`) are made of them. The displacements u_a at which a link came are in its
-//! gaps.
+//! q. Beds that only press (`bed.rs`), members (`member.rs`) and gaskets (`gasket.rs`) are made of them. The displacements u_a at which a
+//! link came are in its gaps.
 
 use crate::contact::{GapShares, Interface, InterfaceNode, Role, Row};
 use crate::geometry::Point;
