@@ -49,6 +49,23 @@ def test_a_page_shows_both_with_names_of_their_own() -> None:
     assert "script" not in page and "default-src 'none'" in page
 
 
+def test_buttons_over_steps_are_those_of_one_solution() -> None:
+    m = dotyk.Model("plane-strain")
+    cells = dotyk.rectangle([0, 0], [2, 1], cells=[4, 2])
+    m.body("block", cells, young=1e3, poisson=0).fix("bottom", x=0, y=0).load("top", pressure="t")
+    s = m.solve(steps=[1, 2, 3])
+    groups = set(re.findall(r'<input[^>]*name="([^"]*)"', dotyk.compare(s, s).report()))
+    assert {group.split("-")[0] for group in groups} == {"first", "second"}
+
+
+def test_what_turns_is_left_out_in_space() -> None:
+    m = dotyk.Model("3d")
+    m.body("block", dotyk.box([0, 0, 0], [1, 1, 1], cells=[2, 2, 2]), young=1e3, poisson=0).fix("bottom", x=0, y=0, z=0)
+    s = m.solve()
+    page = dotyk.compare(s, s).report()
+    assert "<script" not in page and "View that turns" not in page and "Deformed shape" in page
+
+
 def test_a_page_is_written(tmp_path) -> None:  # type: ignore[no-untyped-def]
     both = dotyk.compare(block(2), block(3))
     path = tmp_path / "both.html"

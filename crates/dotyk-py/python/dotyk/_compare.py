@@ -186,9 +186,10 @@ def _shown(value: float, digits: int = 5) -> str:
 
 def _table(rows: Sequence[Difference]) -> str:
     def cells(row: Difference) -> str:
-        percent = f"{100 * row.relative:+.2f} %".replace("-", "−") if row.relative else "0"
+        same = abs(row.relative) < _ROUNDING
+        percent = "0" if same else f"{100 * row.relative:+.2f} %".replace("-", "−")
         relative = percent if math.isfinite(row.relative) else "–"
-        numbers = (_shown(row.first), _shown(row.second), _shown(row.difference, 3), relative)
+        numbers = (_shown(row.first), _shown(row.second), "0" if same else _shown(row.difference, 3), relative)
         return f"<tr><th>{escape(row.what)}</th>" + "".join(f"<td>{number}</td>" for number in numbers) + "</tr>"
 
     head = "<tr><th></th><th>first</th><th>second</th><th>difference</th><th>of the first</th></tr>"
@@ -210,15 +211,16 @@ figcaption { font-size: 13px; color: #5a6672; }
 
 
 def _apart(figure: str, prefix: str) -> str:
-    """The names that parts of a drawing refer to, distinct from those of the other drawings on the page."""
-    figure = re.sub(r'\bid="', f'id="{prefix}', figure)
+    """A drawing whose names, and groups of buttons, are distinct from those of the other drawings on the page."""
+    figure = re.sub(r'\b(id|name)="', rf'\1="{prefix}', figure)
     figure = re.sub(r"url\(#", f"url(#{prefix}", figure)
     return re.sub(r'href="#', f'href="#{prefix}', figure)
 
 
 def _page(both: tuple[Solution, Solution], rows: Sequence[Difference]) -> str:
     names = ("first", "second")
-    pictures = [dict(solution._run.figures()) for solution in both]
+    # what turns needs a program, which this page has not
+    pictures = [{title: one for title, one in solution._run.figures() if "<script" not in one} for solution in both]
     titles = [*pictures[0], *(title for title in pictures[1] if title not in pictures[0])]
 
     def about(name: str, solution: Solution) -> str:
