@@ -429,3 +429,68 @@ fn nothing_is_borne_between_bodies_that_do_not_touch() {
         assert!((station.normal - expected).abs() < 1e-9, "{station:?}");
     }
 }
+
+/// A lining of four parts that are tied to each other and to the rock, cut at its joints, too, as one of a single part; at each joint one
+/// condition follows from the others. The nodes are the same ones, and so are the displacements.
+#[test]
+fn tied_parts_in_tied_ground_are_one_ring() {
+    let lining = |parts: &[[usize; 2]], joints_first: bool, rock_first: bool| {
+        let mut text = String::from(
+            "analysis = \"plane-strain\"\n[[body]]\nname = \"rock\"\n\
+             mesh = { ring = { inner = 5, outer = 30, cells = [36, 8], ratio = 1.3, cell = \"quad9\" } }\n\
+             material = { young = 500, poisson = 0.3 }\ninitial_stress = { xx = -0.6, yy = -1, zz = -0.6 }\n\
+             load = [{ side = \"outer\", in_situ = 1 }]\n\
+             fix = [{ point = [30, 0], y = 0 }, { point = [-30, 0], y = 0 }, { point = [0, 30], x = 0 }]\n",
+        );
+        let (mut ground, mut joints) = (String::new(), String::new());
+        for (k, [from, to]) in parts.iter().enumerate() {
+            let arc = match to - from {
+                360 => String::new(),
+                _ => format!("from = {from}, to = {to}, "),
+            };
+            let cells = (to - from) / 10;
+            text += &format!(
+                "[[body]]\nname = \"l{k}\"\n\
+                 mesh = {{ ring = {{ inner = 4.7, outer = 5, {arc}cells = [{cells}, 2], cell = \"quad9\" }} }}\n\
+                 material = {{ young = 20e3, poisson = 0.2 }}\n"
+            );
+            let (one, other) = match rock_first {
+                true => ("rock.inner".to_string(), format!("l{k}.outer")),
+                false => (format!("l{k}.outer"), "rock.inner".to_string()),
+            };
+            ground += &format!(
+                "[[contact]]\nname = \"c{k}\"\nnonmortar = \"{one}\"\nmortar = \"{other}\"\ntied = true\n"
+            );
+            if parts.len() > 1 {
+                let next = (k + 1) % parts.len();
+                joints += &format!(
+                    "[[contact]]\nname = \"j{k}\"\nnonmortar = \"l{k}.end\"\nmortar = \"l{next}.start\"\ntied = true\n"
+                );
+            }
+        }
+        text += &match joints_first {
+            true => joints + &ground,
+            false => ground + &joints,
+        };
+        let names: Vec<String> = (0..parts.len()).map(|k| format!("\"l{k}\"")).collect();
+        text + &format!(
+            "[[section]]\nname = \"ring\"\nbodies = [{}]\nsides = [\"inner\", \"outer\"]\nstations = 73\n",
+            names.join(", ")
+        )
+    };
+    let one = solved(&lining(&[[0, 360]], false, false));
+    let parts = [[30, 150], [150, 220], [220, 320], [320, 390]];
+    for (joints_first, rock_first) in [(false, false), (true, false), (false, true), (true, true)] {
+        let several = solved(&lining(&parts, joints_first, rock_first));
+        let (a, b) = (&one.sections[0].stations, &several.sections[0].stations);
+        let scales = [a[0].normal.abs(), a[0].moment.abs()];
+        let off = a.iter().zip(b).map(|(a, b)| {
+            let normal = (a.normal - b.normal).abs() / scales[0];
+            let moment = (a.moment - b.moment).abs() / scales[1];
+            normal.max(moment)
+        });
+        let most = off.fold(0.0, f64::max);
+        // the ground's traction at a joint is taken as even over both facets: their difference is of second order
+        assert!(most < 1e-3, "{joints_first} {rock_first}: {most:.1e}");
+    }
+}

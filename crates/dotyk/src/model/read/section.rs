@@ -7,7 +7,7 @@
 //! that begins there; where it lies in the gap of an open joint, the forces of the joint are all that it divides.
 
 use crate::fem::{Ahead, Analysis, Body, Push, Resultant};
-use crate::geometry::{Groups, Point, add_scaled, dot, padded, sub};
+use crate::geometry::{Groups, Point, add_scaled, distance, dot, padded, sub};
 use crate::mesh::{Cut, Facet, Located, Mesh, Strip, locate_all};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
@@ -301,6 +301,7 @@ pub(crate) fn exerted<const D: usize>(
         }
     }
     let first: Vec<usize> = (0..conditions.len()).map(|k| together.first(k)).collect();
+    let implied = implied_at(conditions);
     let of_bodies = |own: &BTreeSet<usize>| {
         let inner = |condition: &Condition<D>| {
             let mortar = condition.mortar.as_ref();
@@ -323,7 +324,7 @@ pub(crate) fn exerted<const D: usize>(
             }
             exerted.on.insert(of, supports);
         }
-        let mut spread: BTreeMap<(usize, usize), Push<D>> = BTreeMap::new();
+        let mut spread: Spread<D> = BTreeMap::new();
         for (place, (rows, condition)) in row_ranges(conditions).enumerate() {
             if condition.source.member().is_some() {
                 continue;
@@ -345,6 +346,10 @@ pub(crate) fn exerted<const D: usize>(
                 }
             }
         }
+        for condition in conditions.iter().filter(|condition| inner(condition)) {
+            let evened = evened(model, condition, &implied, &mut spread);
+            exerted.between.extend(evened);
+        }
         for ((of, _), push) in spread {
             exerted.on.entry(of).or_default().push(push);
         }
@@ -359,6 +364,93 @@ pub(crate) fn exerted<const D: usize>(
         Arc::clone(exerted)
     });
     sections.collect()
+}
+
+/// Forces of contacts by body and group of contacts with common nodes.
+type Spread<const D: usize> = BTreeMap<(usize, usize), Push<D>>;
+
+/// Bodies and nodes of conditions without a multiplier, because others imply them.
+fn implied_at<const D: usize>(conditions: &[Condition<D>]) -> BTreeSet<(usize, usize)> {
+    let mut nodes = BTreeSet::new();
+    for condition in conditions {
+        let mortar = condition.mortar.as_ref().map(|side| side.body.0);
+        let bodies = [Some(condition.nonmortar.body.0), mortar];
+        for implied in &condition.interface.implied {
+            for (of, row) in bodies.into_iter().zip(&implied.rows) {
+                nodes.extend(
+                    of.into_iter()
+                        .flat_map(|of| row.iter().map(move |&(j, _)| (of, j))),
+                );
+            }
+        }
+    }
+    nodes
+}
+
+/// Forces between two bodies of a section that go through a third one, at places of a contact between them; those of their other contacts
+/// become what remains.
+///
+/// Where both sides of a joint are tied to the ground at one place, one of the three conditions follows from the others, and has no
+/// multiplier: the force of the joint may go into the ground beside it and out of it again, and by f and g on the two nodes nothing tells
+/// how much of them is the ground's, but their sum. It is divided between them as their facets are long, so that the traction of the ground
+/// is even; the rest is the joint's.
+fn evened<const D: usize>(
+    model: &Model<D>,
+    condition: &Condition<D>,
+    implied: &BTreeSet<(usize, usize)>,
+    spread: &mut Spread<D>,
+) -> Vec<Vec<Pushed<D>>> {
+    let Some(mortar) = &condition.mortar else {
+        return Vec::new();
+    };
+    let bodies = [condition.nonmortar.body.0, mortar.body.0];
+    let mut pairs = Vec::new();
+    for place in &condition.interface.nodes {
+        let mut opposite = place.opposite.iter();
+        let Some(&(opposite, _)) = opposite.find(|(_, n)| (n - 1.0).abs() < ON_BORDER) else {
+            continue;
+        };
+        let nodes = [(bodies[0], place.node), (bodies[1], opposite)];
+        if !nodes.iter().any(|node| implied.contains(node)) {
+            continue;
+        }
+        // the contacts that push each of them, and the length of its facets there
+        let [own, other] = nodes.map(|(of, node)| {
+            let mut pushes = spread.iter().filter(|((body, _), _)| *body == of);
+            pushes.find_map(|(&key, push)| {
+                let length = length_at(&model.bodies[of].mesh, push, node);
+                let force = push.forces.get(&node).copied().unwrap_or([0.0; D]);
+                (length > 0.0).then_some((key, length, force))
+            })
+        });
+        let (Some((own, length, f)), Some((other, further, g))) = (own, other) else {
+            continue;
+        };
+        let part = length / (length + further);
+        let moved: Point<D> = std::array::from_fn(|i| part * (f[i] + g[i]) - f[i]);
+        let back = moved.map(|c| -c);
+        spread.entry(own).or_default().add(nodes[0].1, moved);
+        spread.entry(other).or_default().add(nodes[1].1, back);
+        pairs.push(vec![
+            (nodes[0].0, nodes[0].1, back),
+            (nodes[1].0, nodes[1].1, moved),
+        ]);
+    }
+    pairs
+}
+
+/// Length of the facets of some sides at a node.
+fn length_at<const D: usize>(mesh: &Mesh<D>, push: &Push<D>, node: usize) -> f64 {
+    let facets: BTreeSet<Facet> = {
+        let sides = push.sides.iter().filter_map(|side| mesh.side(side));
+        sides.flatten().copied().collect()
+    };
+    let at_node = |facet: &&Facet| mesh.facet_nodes(**facet).any(|own| own as usize == node);
+    let length = |facet: &Facet| {
+        let [a, b] = [-1.0, 1.0].map(|xi| mesh.facet_point(*facet, &[xi]));
+        distance(a, b)
+    };
+    facets.iter().filter(at_node).map(length).sum()
 }
 
 /// Forces of a contact between two bodies, by multipliers.
