@@ -281,6 +281,8 @@ pub const SECTION: &[&str] = &[
     "bodies",
     "sides",
     "stations",
+    "axis",
+    "places",
     "capacity",
     "reinforcement",
 ];

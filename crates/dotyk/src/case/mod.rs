@@ -41,7 +41,7 @@ pub use source::AnyCase;
 pub use suggest::nearest;
 
 use crate::case::contact::Aside;
-use crate::case::document::{Node, Span, Value, coordinates, later};
+use crate::case::document::{Node, Span, Value, coordinates};
 use crate::case::error::{Fault, read_text};
 use crate::case::mesh::Generated;
 use crate::case::mesh_file::MeshFiles;
@@ -405,10 +405,6 @@ where
     }
     own_names(&named)?;
     names_of_files(bodies)?;
-    if let (Analysis::Solid, Some(entry)) = (analysis, table.entry("section")) {
-        let span = sections.first().map_or(&entry.node.span, |node| &node.span);
-        return Err(later(span, "section forces in space, `section`,"));
-    }
     if let Analysis::Axisymmetric | Analysis::Solid = analysis {
         let refused = |body| no_thickness(body, analysis);
         bodies.iter().try_for_each(refused)?;

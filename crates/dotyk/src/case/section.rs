@@ -5,6 +5,8 @@ use crate::case::document::{Node, Span, Table, Value, coordinates, name};
 use crate::case::error::Fault;
 use crate::case::keys;
 use crate::case::points::{named_body, place};
+use crate::case::surface::direction;
+use crate::mesh::ExtrudedError;
 use crate::model::{
     Body, BodyId, Capacity, Reinforcement, Section, SectionError, SideRef, Stations,
 };
@@ -13,6 +15,9 @@ use std::sync::Arc;
 
 /// Most stations: each is a row for each step.
 const MOST_STATIONS: usize = 10_000;
+
+/// Most places along the axis, at each of which all stations have a row.
+const MOST_PLACES: usize = 1000;
 
 /// One section of these bodies.
 pub(crate) fn section<const D: usize>(
@@ -44,12 +49,16 @@ pub(crate) fn section<const D: usize>(
     };
     let stations_node = table.require("stations", &what)?;
     let stations = stations(stations_node, bodies)?;
+    let axis = table.get("axis").map(|_| direction(table, "axis", &what));
+    let places = table.get("places").map_or(Ok(1), places)?;
     let capacity = capacity(table, &what)?;
     let section = Section {
         name,
         bodies: own.into_iter().map(BodyId).collect(),
         sides,
         stations,
+        axis: axis.transpose()?,
+        places,
         capacity,
     };
     let wrong = section.check(bodies);
@@ -170,8 +179,30 @@ fn fault(error: &SectionError, table: Table<'_>, what: &str) -> Fault {
             Fault::new(span("bodies"), message).label("not the bodies of one section")
         }
         SectionError::Beside(_) => Fault::new(span("sides"), message).label("beside the bodies"),
-        SectionError::TooFew | SectionError::Space => {
-            Fault::new(span("stations"), message).label("not a section")
+        SectionError::TooFew => Fault::new(span("stations"), message).label("not a section"),
+        SectionError::Plane => {
+            let key = if table.get("axis").is_some() { "axis" } else { "places" };
+            Fault::new(span(key), message).label("not in the plane")
+        }
+        SectionError::NoPlace | SectionError::Extruded(ExtrudedError::Finer { .. }) => {
+            Fault::new(span("places"), message)
+                .label("too close")
+                .help("fewer `places`, or smaller cells along the axis")
+        }
+        SectionError::Extruded(ExtrudedError::Ambiguous) => {
+            Fault::new(span("sides"), message)
+                .label("parallel planes")
+                .help("add `axis = [0, 0, 1]`, the direction across the cuts' plane; s runs across it")
+        }
+        SectionError::Extruded(ExtrudedError::Across) => Fault::new(span("axis"), message)
+            .label("not along the sides"),
+        SectionError::Extruded(ExtrudedError::NotExtruded) => Fault::new(span("sides"), message)
+            .label("not along one direction")
+            .help("name the parts of the boundary that run along the axis of the lining, wall or beam, without its ends"),
+        SectionError::Extruded(ExtrudedError::NoFace(_) | ExtrudedError::Lengths(..)) => {
+            Fault::new(span(if table.get("body").is_some() { "body" } else { "bodies" }), message)
+                .label("not extruded from one end to the other")
+                .help("rings of a lining that follow each other have a section each; a body ends with plane faces across the axis")
         }
     }
 }
@@ -198,6 +229,16 @@ fn stations<const D: usize>(node: &Node, bodies: &[Body<D>]) -> Result<Stations<
     };
     let places = points.iter().map(|point| place(point, bodies));
     Ok(Stations::Points(places.collect::<Result<_, _>>()?))
+}
+
+/// The number of places along the axis.
+fn places(node: &Node) -> Result<usize, Fault> {
+    let number = node.positive_integer("`places`")?;
+    if number > MOST_PLACES {
+        let message = format!("a section has at most {MOST_PLACES} places along its axis");
+        return Err(Fault::new(&node.span, message).label(format!("{number}")));
+    }
+    Ok(number)
 }
 
 /// The bars, beside `capacity` or in it.

@@ -110,7 +110,11 @@ pub(crate) fn surface<const D: usize>(entry: &Entry) -> Result<(Surface<D>, bool
 }
 
 /// A vector of length 1.
-fn direction<const D: usize>(table: Table<'_>, key: &str, what: &str) -> Result<[f64; D], Fault> {
+pub(crate) fn direction<const D: usize>(
+    table: Table<'_>,
+    key: &str,
+    what: &str,
+) -> Result<[f64; D], Fault> {
     let node = table.require(key, what)?;
     unit(node.point()?).ok_or_else(|| {
         Fault::new(&node.span, format!("the {key} of {what} is zero")).label("no direction")

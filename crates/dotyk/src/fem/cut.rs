@@ -1,4 +1,5 @@
-//! Resultant of the loads on the part of a plane body ahead of a straight cut: equilibrium gives the forces in the cut.
+//! Resultant of the loads on the part of a body ahead of a straight cut: equilibrium gives the forces in the cut. In space the body is
+//! extruded along an axis a, and the cut goes all along it.
 //!
 //! Let w be a rigid motion, H the step at the cut (0 behind, 1 ahead), and φ a field of nodal values that rises from 0 behind
 //! to 1 ahead across the layer of cells about the cut. As the cells on either side of the layer do no work on φw,
@@ -10,6 +11,16 @@
 //! with the total stress σ is the resultant of all forces on the part ahead, H f, to the rounding of the nodal balance. It is exact where
 //! statics determines it; elsewhere (a ring) it follows from the displacements, with twice the order of accuracy of stresses. No stress
 //! is recovered. With axial symmetry the hoop stress is a force per volume −σ_θ/r along r.
+//!
+//! *Along the axis* the forces per unit of length are found, too, at levels between which they are linear. With the hat ψ of a level and
+//! the nodal field v = Σ ψ w N, in place of w, the same identity holds but for the work of the part ahead in v, which is no rigid motion:
+//!
+//! ```text
+//!   ∫ ψ w·t dA over the cut = ∫ σ : ∇(φv) dV  −  ∫ H σ : ∇v dV  −  ∫ (φ − H) f·v     over the layer,      t: force on the part behind
+//! ```
+//!
+//! and the mass of the hats makes the linear forces of which these are the weighted ones. Their sum over the hats is the resultant of
+//! the whole cut. Turns w are about the middle line there: arms have no component along the axis.
 //!
 //! * Tractions, body force and springs of sides are integrated exactly up to the cut, through cells and facets.
 //! * Of contacts, couples, supports of sides and beds that only press nodal forces are known. They count as the traction of shape
@@ -27,12 +38,12 @@ use crate::fem::initial::body_degree;
 use crate::fem::internal::{CellForces, Rule};
 use crate::fem::loads::{Amount, Load, side_points};
 use crate::fem::nouns::{Analysis, Body, History, Place};
-use crate::fem::quadrature::gauss;
+use crate::fem::quadrature::{self, QuadraturePoint, gauss};
 use crate::fem::springs::{Bed, Spring};
 use crate::fem::supports::{nearest_node, side_facets};
 use crate::fem::surface::SideNormals;
-use crate::geometry::{Point, add_scaled, dot, norm, sub};
-use crate::mesh::{CellKind, Cut, Domain, Facet, MAX_CELL_NODES, MAX_FACET_NODES};
+use crate::geometry::{Point, add_scaled, cross, dot, norm, sub};
+use crate::mesh::{Axes, CellKind, Cut, Domain, Facet, MAX_CELL_NODES, MAX_FACET_NODES};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A node nearer to the cut than this part of its length lies on it.
@@ -41,11 +52,17 @@ const ON_CUT: f64 = 1e-6;
 /// Points of the Gauss rules between the places where a cut enters or leaves: loads may be any expression.
 const POINTS: usize = 8;
 
+/// Degree of the rules of whole facets in space, and of the parts of divided cells there: loads may be any expression.
+const FACET_DEGREE: usize = 8;
+const PART_DEGREE: usize = 4;
+
 /// Forces ahead of cuts through a body in a state.
 pub(crate) struct Ahead<'a, const D: usize> {
     body: &'a Body<D>,
     analysis: Analysis,
     time: f64,
+    axes: Axes<D>,
+    along: &'a Along,
     cells: CellForces<'a, D>,
     displacement: &'a [Point<D>],
     /// Loads of each facet, and the traction per unit of their value.
@@ -91,23 +108,145 @@ struct Pushed<const D: usize> {
     traction: Vec<Point<D>>,
 }
 
-/// Force and moment about the middle of a cut.
+/// Where forces are found along the axis of a cut.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Along {
+    /// The middle of the body along the axis.
+    pub middle: f64,
+    /// The levels between which forces per length are linear, ascending; none: those of the whole cut.
+    pub levels: Vec<f64>,
+    /// Where they are told.
+    pub places: Vec<f64>,
+}
+
+impl Along {
+    /// Number of places at which a cut is told.
+    pub fn count(&self) -> usize {
+        self.places.len().max(1)
+    }
+
+    /// The hats that are not zero at a place of the axis, and their values.
+    fn hats(&self, at: f64) -> [(usize, f64); 2] {
+        let Some(last) = self.levels.len().checked_sub(1) else {
+            return [(0, 1.0), (0, 0.0)];
+        };
+        let next = self.levels.partition_point(|level| *level <= at);
+        let next = next.clamp(1, last);
+        let [low, high] = [self.levels[next - 1], self.levels[next]];
+        let part = ((at - low) / (high - low)).clamp(0.0, 1.0);
+        [(next - 1, 1.0 - part), (next, part)]
+    }
+
+    /// The values at the places of linear ones of which these (levels,) are the integrals with the hats: by the tridiagonal mass of
+    /// the hats.
+    fn linear(&self, mut weighted: Vec<Resultant>) -> Vec<Resultant> {
+        if self.levels.is_empty() {
+            return weighted;
+        }
+        let steps: Vec<f64> = self.levels.windows(2).map(|p| p[1] - p[0]).collect();
+        let count = weighted.len();
+        let step = |k: usize| steps.get(k).copied().unwrap_or(0.0);
+        let before = |k: usize| k.checked_sub(1).map_or(0.0, step);
+        // elimination downwards, then upwards
+        let mut diagonal: Vec<f64> = (0..count).map(|k| (before(k) + step(k)) / 3.0).collect();
+        for k in 1..count {
+            let beside = before(k) / 6.0;
+            let factor = beside / diagonal[k - 1];
+            diagonal[k] -= factor * beside;
+            let above = weighted[k - 1];
+            weighted[k].join(-factor, above);
+        }
+        for k in (0..count).rev() {
+            if k + 1 < count {
+                let below = weighted[k + 1];
+                weighted[k].join(-step(k) / 6.0, below);
+            }
+            weighted[k].scale(1.0 / diagonal[k]);
+        }
+        let at_place = |place: &f64| {
+            let mut sum = Resultant::default();
+            for (k, hat) in self.hats(*place) {
+                sum.join(hat, weighted[k]);
+            }
+            sum
+        };
+        self.places.iter().map(at_place).collect()
+    }
+}
+
+/// Force and moment about the middle of a cut, in the axes of the cut.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Resultant {
-    pub force: Point<2>,
-    pub moment: f64,
+    pub force: [f64; 3],
+    pub moment: [f64; 3],
 }
 
 impl Resultant {
-    /// Adds another one about the same point.
-    pub fn join(&mut self, other: Self) {
-        self.force = add_scaled(self.force, 1.0, other.force);
-        self.moment += other.moment;
+    /// That of a cut where nothing is.
+    pub fn nowhere() -> Self {
+        Self {
+            force: [f64::NAN; 3],
+            moment: [f64::NAN; 3],
+        }
     }
 
-    fn add(&mut self, factor: f64, arm: Point<2>, force: Point<2>) {
+    /// Adds another one about the same point, times a factor.
+    pub fn join(&mut self, factor: f64, other: Self) {
+        self.force = add_scaled(self.force, factor, other.force);
+        self.moment = add_scaled(self.moment, factor, other.moment);
+    }
+
+    fn scale(&mut self, factor: f64) {
+        self.force = self.force.map(|c| factor * c);
+        self.moment = self.moment.map(|c| factor * c);
+    }
+
+    fn add(&mut self, factor: f64, arm: [f64; 3], force: [f64; 3]) {
         self.force = add_scaled(self.force, factor, force);
-        self.moment += factor * (arm[0] * force[1] - arm[1] * force[0]);
+        self.moment = add_scaled(self.moment, factor, cross(arm, force));
+    }
+}
+
+/// The resultants of a cut, weighted with the hat of each level along the axis.
+pub(crate) struct Sums<'s> {
+    along: &'s Along,
+    middle: Point<2>,
+    all: Vec<Resultant>,
+}
+
+impl<'s> Sums<'s> {
+    /// Zero, about the middle of a cut.
+    pub fn new(along: &'s Along, cut: &Cut) -> Self {
+        Self {
+            along,
+            middle: cut.middle(),
+            all: vec![Resultant::default(); along.levels.len().max(1)],
+        }
+    }
+
+    /// Adds those of another body.
+    pub fn join(&mut self, other: &Self) {
+        let both = self.all.iter_mut().zip(&other.all);
+        both.for_each(|(own, other)| own.join(1.0, *other));
+    }
+
+    /// Per unit of length at the places, or those of the whole cut.
+    pub fn linear(self) -> Vec<Resultant> {
+        self.along.linear(self.all)
+    }
+
+    /// Adds a force at a point, both in the axes of the cut, times a factor.
+    fn add(&mut self, factor: f64, at: [f64; 3], force: [f64; 3]) {
+        let out = match self.along.levels.is_empty() {
+            true => at[2] - self.along.middle,
+            false => 0.0,
+        };
+        let arm = [at[0] - self.middle[0], at[1] - self.middle[1], out];
+        for (k, hat) in self.along.hats(at[2]) {
+            if hat != 0.0 {
+                self.all[k].add(factor * hat, arm, force);
+            }
+        }
     }
 }
 
@@ -127,10 +266,6 @@ impl Layer {
     pub fn rises(&self, node: usize) -> bool {
         self.rises[node]
     }
-}
-
-fn plane<const D: usize>(point: Point<D>) -> Point<2> {
-    [point[0], point[1]]
 }
 
 /// The cut as a division of the body.
@@ -153,17 +288,24 @@ impl<'c> Divide<'c> {
         }
     }
 
-    fn arm(&self, point: Point<2>) -> Point<2> {
-        sub(point, self.middle)
+    fn arm(&self, point: [f64; 3]) -> Point<2> {
+        sub([point[0], point[1]], self.middle)
     }
 
     /// Distance ahead of the line through the cut.
-    fn ahead(&self, point: Point<2>) -> f64 {
+    fn ahead(&self, point: [f64; 3]) -> f64 {
         dot(self.arm(point), self.along)
     }
 
+    /// The line through the cut divides what has nodes at these distances ahead of it.
+    fn divides(&self, distances: &[f64]) -> bool {
+        let tolerance = 2.0 * ON_CUT * self.half;
+        let beyond = |sign: f64| distances.iter().any(|d| sign * d > tolerance);
+        beyond(1.0) && beyond(-1.0)
+    }
+
     /// H at a point; where it lies on the line of the cut, that of its cell.
-    fn step(&self, point: Point<2>, of_cell: impl Fn() -> Point<2>) -> bool {
+    fn step(&self, point: [f64; 3], of_cell: impl Fn() -> [f64; 3]) -> bool {
         let tolerance = 2.0 * ON_CUT * self.half;
         let ahead = self.ahead(point);
         if ahead.abs() > tolerance {
@@ -177,7 +319,8 @@ impl<'c> Divide<'c> {
 }
 
 impl<'a, const D: usize> Ahead<'a, D> {
-    /// From the displacements, the forces on its sides besides loads and springs, and the forces of bars by node, at a time.
+    /// From the displacements, the forces on its sides besides loads and springs, and the forces of bars by node, at a time; in
+    /// axes of which the first two are those of the cuts.
     ///
     /// Errors: a group of cells without a material; a side that is not there.
     pub fn new(
@@ -185,6 +328,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         time: f64,
         displacement: &'a [Point<D>],
         (pushes, bars): (&[Push<D>], &BTreeMap<usize, Point<D>>),
+        (axes, along): (Axes<D>, &'a Along),
     ) -> Result<Self, FemError> {
         let mesh = &body.mesh;
         let nodes = mesh.points().len();
@@ -238,6 +382,8 @@ impl<'a, const D: usize> Ahead<'a, D> {
             body,
             analysis,
             time,
+            axes,
+            along,
             cells: CellForces::new(
                 (body, analysis),
                 (displacement, history.yielded.as_deref()),
@@ -257,25 +403,26 @@ impl<'a, const D: usize> Ahead<'a, D> {
         measure(self.analysis, self.body.thickness, point)
     }
 
-    fn at(&self, node: u32) -> Point<2> {
-        plane(self.body.mesh.points()[node as usize])
+    /// A node in the axes of the cuts.
+    fn at(&self, node: u32) -> [f64; 3] {
+        self.axes.local(self.body.mesh.points()[node as usize])
     }
 
     /// Mean of the nodes of a cell.
-    fn centre(&self, (block, cell): (u32, u32)) -> Point<2> {
+    fn centre(&self, (block, cell): (u32, u32)) -> [f64; 3] {
         let nodes = self.body.mesh.cell_nodes(block as usize, cell as usize);
         let sum = nodes
             .iter()
-            .fold([0.0; 2], |sum, &n| add_scaled(sum, 1.0, self.at(n)));
+            .fold([0.0; 3], |sum, &n| add_scaled(sum, 1.0, self.at(n)));
         sum.map(|c| c / nodes.len() as f64)
     }
 
-    /// Resultant of all forces on the part ahead of a cut, from the layer about it.
+    /// Resultants of all forces on the part ahead of a cut, from the layer about it.
     ///
     /// Errors: an initial stress or strain that is not finite.
-    pub fn of(&self, cut: &Cut, layer: &Layer) -> Result<Resultant, FemError> {
+    pub fn of(&self, cut: &Cut, layer: &Layer) -> Result<Sums<'a>, FemError> {
         let divide = Divide::new(cut);
-        let mut sum = Resultant::default();
+        let mut sum = Sums::new(self.along, cut);
         for &cell in &layer.cells {
             self.add_cell(&divide, &layer.rises, cell, &mut sum)?;
         }
@@ -286,7 +433,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
             for node in nodes.copied().collect::<BTreeSet<u32>>() {
                 let on = divide.ahead(self.at(node)).abs() <= 2.0 * ON_CUT * divide.half;
                 if let (true, Some(force)) = (on, self.points.get(&node)) {
-                    sum.add(-1.0, divide.arm(self.at(node)), plane(*force));
+                    sum.add(-1.0, self.at(node), self.axes.local(*force));
                 }
             }
         }
@@ -294,9 +441,8 @@ impl<'a, const D: usize> Ahead<'a, D> {
     }
 
     /// Adds −φ f of a force ON the body at a node that φ raises, from another body of the section.
-    pub fn push(&self, cut: &Cut, node: usize, force: Point<D>, sum: &mut Resultant) {
-        let arm = sub(self.at(node as u32), cut.middle());
-        sum.add(-1.0, arm, plane(force));
+    pub fn push(&self, node: usize, force: Point<D>, sum: &mut Sums<'_>) {
+        sum.add(-1.0, self.at(node as u32), self.axes.local(force));
     }
 
     /// The layer of cells about a cut in which φ rises; it is empty if the cut does not divide the body.
@@ -304,7 +450,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let divide = Divide::new(cut);
         let centre = |node: u32| {
             let cells = &self.around[node as usize];
-            let sum = cells.iter().fold([0.0; 2], |sum, &cell| {
+            let sum = cells.iter().fold([0.0; 3], |sum, &cell| {
                 add_scaled(sum, 1.0, self.centre(cell))
             });
             sum.map(|c| c / cells.len() as f64)
@@ -364,7 +510,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         divide: &Divide<'_>,
         rises: &[bool],
         cell: (u32, u32),
-        sum: &mut Resultant,
+        sum: &mut Sums<'_>,
     ) -> Result<(), FemError> {
         let mesh = &self.body.mesh;
         let (block, index) = (cell.0 as usize, cell.1 as usize);
@@ -372,9 +518,10 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let internal = self.cells.of(block, index)?;
         let ahead = |node: u32| rises[node as usize];
         for (&node, force) in nodes.iter().zip(internal).filter(|(n, _)| ahead(**n)) {
-            sum.add(1.0, divide.arm(self.at(node)), plane(force));
+            sum.add(1.0, self.at(node), self.axes.local(force));
         }
-        if self.has_body_force || self.analysis == Analysis::Axisymmetric {
+        let bends = !self.along.levels.is_empty();
+        if bends || self.has_body_force || self.analysis == Analysis::Axisymmetric {
             self.add_volume(divide, rises, cell, sum)?;
         }
         let kind = mesh.blocks()[block].kind;
@@ -396,34 +543,59 @@ impl<'a, const D: usize> Ahead<'a, D> {
     }
 
     /// −∫(φ − H) f over a facet.
-    fn add_facet(&self, divide: &Divide<'_>, rises: &[bool], facet: Facet, sum: &mut Resultant) {
+    fn add_facet(&self, divide: &Divide<'_>, rises: &[bool], facet: Facet, sum: &mut Sums<'_>) {
         let mesh = &self.body.mesh;
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
         let kind = mesh.facet_kind(facet);
-        let distance = |xi: f64| divide.ahead(plane(mesh.facet_point(facet, &[xi])));
-        for [low, high] in pieces([-1.0, 1.0], distance) {
-            let middle = plane(mesh.facet_point(facet, &[0.5 * (low + high)]));
-            let ahead = divide.step(middle, || self.centre((facet.block, facet.cell)));
-            for (x, weight) in gauss(POINTS) {
-                let xi = 0.5 * (low + high) + 0.5 * (high - low) * x;
+        for (ahead, rule) in self.parts_of_facet(divide, facet) {
+            for (xi, weight) in rule {
                 let (point, normal) = (
-                    mesh.facet_point(facet, &[xi]),
-                    mesh.outward_normal(facet, &[xi]),
+                    mesh.facet_point(facet, &xi),
+                    mesh.outward_normal(facet, &xi),
                 );
-                let length = norm(normal);
-                let area = 0.5 * (high - low) * weight * length * self.measure(point);
+                let size = norm(normal);
+                let area = weight * size * self.measure(point);
                 let mut shape = [0.0; MAX_FACET_NODES];
-                kind.shape(&[xi], &mut shape);
-                let normal = normal.map(|n| n / length);
-                let force = plane(self.traction((facet, xi), (point, normal), &shape));
-                for (&node, n) in nodes.iter().zip(shape).filter(|(n, _)| rises[**n as usize]) {
-                    sum.add(-area * n, divide.arm(self.at(node)), force);
-                }
-                if ahead {
-                    sum.add(area, divide.arm(plane(point)), force);
+                kind.shape(&xi, &mut shape);
+                let normal = normal.map(|n| n / size);
+                let force = self.traction((facet, &xi), (point, normal), &shape);
+                let force = self.axes.local(force);
+                for (&node, n) in nodes.iter().zip(shape) {
+                    let part =
+                        f64::from(u8::from(ahead)) - f64::from(u8::from(rises[node as usize]));
+                    if part != 0.0 {
+                        sum.add(part * area * n, self.at(node), force);
+                    }
                 }
             }
         }
+    }
+
+    /// Rules for the parts of a facet, each with whether it is ahead.
+    fn parts_of_facet(&self, divide: &Divide<'_>, facet: Facet) -> Vec<(bool, Rule)> {
+        let mesh = &self.body.mesh;
+        let local = |xi: &[f64]| self.axes.local(mesh.facet_point(facet, xi));
+        let step = |xi: &[f64]| divide.step(local(xi), || self.centre((facet.block, facet.cell)));
+        let kind = mesh.facet_kind(facet);
+        if kind.domain() == Domain::Line {
+            let parts = pieces([-1.0, 1.0], |xi| divide.ahead(local(&[xi]))).into_iter();
+            let parts = parts.map(|[low, high]| {
+                let (centre, half) = (0.5 * (low + high), 0.5 * (high - low));
+                let points = gauss(POINTS).into_iter();
+                let rule = points.map(|(x, weight)| ([centre + half * x, 0.0, 0.0], half * weight));
+                (step(&[centre]), rule.collect())
+            });
+            return parts.collect();
+        }
+        let nodes = mesh.facet_nodes(facet);
+        let distances: Vec<f64> = nodes.map(|node| divide.ahead(self.at(node))).collect();
+        if divide.divides(&distances) {
+            let [behind, ahead] = divided(kind, &distances);
+            return vec![(false, behind), (true, ahead)];
+        }
+        let points = quadrature::rule(kind, FACET_DEGREE).into_iter();
+        let rule = points.map(|point| (point.xi, point.weight)).collect();
+        vec![(step(&kind.domain().centre()), rule)]
     }
 
     fn springs_at(&self, facet: Facet) -> impl Iterator<Item = &Sprung<'a, D>> {
@@ -434,7 +606,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
     /// Force per area at a place of a facet, its point and normal, given by its shape functions.
     fn traction(
         &self,
-        (facet, xi): (Facet, f64),
+        (facet, xi): (Facet, &[f64]),
         (point, normal): (Point<D>, Point<D>),
         shape: &[f64],
     ) -> Point<D> {
@@ -451,7 +623,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         for sprung in self.springs_at(facet) {
             let u = of_facet(self.displacement);
             let stretched = sprung.came.map_or(u, |came| sub(u, of_facet(came)));
-            let along = sprung.normals.at(facet, &[xi]);
+            let along = sprung.normals.at(facet, xi);
             sum = add_scaled(sum, 1.0, sprung.spring.traction(point, along, stretched));
         }
         for pushed in self.pushed.iter().filter(|p| p.facets.contains(&facet)) {
@@ -460,21 +632,23 @@ impl<'a, const D: usize> Ahead<'a, D> {
         sum
     }
 
-    /// −∫(φ − H) f over a cell, and with axial symmetry −∫ H σ_θ/r, whose other part is in the nodal forces.
+    /// −∫(φ − H) f over a cell, with axial symmetry −∫ H σ_θ/r, whose other part is in the nodal forces, and with levels along the
+    /// axis −∫ H σ : ∇v.
     fn add_volume(
         &self,
         divide: &Divide<'_>,
         rises: &[bool],
         cell: (u32, u32),
-        sum: &mut Resultant,
+        sum: &mut Sums<'_>,
     ) -> Result<(), FemError> {
         let mesh = &self.body.mesh;
         let (block, index) = (cell.0 as usize, cell.1 as usize);
         let (kind, nodes) = (mesh.blocks()[block].kind, mesh.cell_nodes(block, index));
         let distances: Vec<f64> = nodes.iter().map(|&n| divide.ahead(self.at(n))).collect();
-        let tolerance = 2.0 * ON_CUT * divide.half;
-        let beyond = |sign: f64| distances.iter().any(|d| sign * d > tolerance);
-        let divided = (beyond(1.0) && beyond(-1.0)).then(|| divided(kind, &distances));
+        let divided = divide.divides(&distances).then(|| match D {
+            2 => divided(kind, &distances),
+            _ => divided_solid(kind, &distances),
+        });
         let is_ahead = divide.ahead(self.centre(cell)) > 0.0;
         if self.has_body_force {
             let parts = match &divided {
@@ -486,18 +660,27 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 }
             };
             for (ahead, rule) in parts {
-                self.add_body_force(divide, rises, (cell, ahead, &rule), sum);
+                self.add_body_force(rises, (cell, ahead, &rule), sum);
             }
         }
+        let part = match &divided {
+            Some([_, ahead]) => Some(ahead),
+            None if is_ahead => None,
+            None => return Ok(()),
+        };
         if self.analysis == Analysis::Axisymmetric {
-            let hoop = match &divided {
-                Some([_, ahead]) => self.cells.hoop(block, index, Some(ahead))?,
-                None if is_ahead => self.cells.hoop(block, index, None)?,
-                None => Vec::new(),
+            for (point, volume, stress) in self.cells.hoop(block, index, part)? {
+                let force = std::array::from_fn(|i| if i == 0 { -stress / point[0] } else { 0.0 });
+                sum.add(volume, self.axes.local(point), force);
+            }
+        }
+        if !self.along.levels.is_empty() {
+            let internal = match part {
+                Some(rule) => self.cells.of_part(block, index, rule)?,
+                None => self.cells.of(block, index)?,
             };
-            for (point, volume, stress) in hoop {
-                let point = plane(point);
-                sum.add(volume, divide.arm(point), [-stress / point[0], 0.0]);
+            for (&node, force) in nodes.iter().zip(internal) {
+                sum.add(-1.0, self.at(node), self.axes.local(force));
             }
         }
         Ok(())
@@ -506,10 +689,9 @@ impl<'a, const D: usize> Ahead<'a, D> {
     /// −∫(φ − H) f of the body force over a part of a cell, which is ahead or behind.
     fn add_body_force(
         &self,
-        divide: &Divide<'_>,
         rises: &[bool],
         (cell, ahead, rule): ((u32, u32), bool, &Rule),
-        sum: &mut Resultant,
+        sum: &mut Sums<'_>,
     ) {
         let mesh = &self.body.mesh;
         let (block, index) = (cell.0 as usize, cell.1 as usize);
@@ -520,19 +702,22 @@ impl<'a, const D: usize> Ahead<'a, D> {
             let volume = volume * self.measure(point);
             let force: Point<D> =
                 std::array::from_fn(|i| self.body.body_force[i].at(point, self.time));
-            let force = plane(force);
-            let shapes = nodes.iter().zip(table.shape(q));
-            for (&node, n) in shapes.filter(|(n, _)| rises[**n as usize]) {
-                sum.add(-volume * n, divide.arm(self.at(node)), force);
-            }
-            if ahead {
-                sum.add(volume, divide.arm(plane(point)), force);
+            let force = self.axes.local(force);
+            for (&node, n) in nodes.iter().zip(table.shape(q)) {
+                let part = f64::from(u8::from(ahead)) - f64::from(u8::from(rises[node as usize]));
+                if part != 0.0 {
+                    sum.add(part * volume * n, self.at(node), force);
+                }
             }
         }
     }
 }
 
-/// Most steps of the conjugate gradients: with the diagonal divided out the mass of lines has eigenvalues between 1/2 and 2.
+/// Degree of the rule of the mass of facets.
+const MASS_DEGREE: usize = 7;
+
+/// Most steps of the conjugate gradients: with the diagonal divided out the mass of lines has eigenvalues between 1/2 and 2, that of
+/// plane facets between 1/16 and 8.
 const MOST_STEPS: usize = 200;
 
 /// Loads of each facet with the traction per unit of their value, and those of nodes.
@@ -595,16 +780,20 @@ fn traction_of<const D: usize>(
     forces: &[Point<D>],
 ) -> Vec<Point<D>> {
     let mesh = &body.mesh;
-    let rule = gauss(4);
+    let mut rules: BTreeMap<CellKind, Vec<QuadraturePoint>> = BTreeMap::new();
     let mut entries: Vec<(usize, usize, f64)> = Vec::new();
     for &facet in facets {
+        let kind = mesh.facet_kind(facet);
         let nodes: Vec<usize> = mesh.facet_nodes(facet).map(|n| n as usize).collect();
-        for &(xi, weight) in &rule {
+        let rule = rules
+            .entry(kind)
+            .or_insert_with(|| quadrature::rule(kind, MASS_DEGREE));
+        for QuadraturePoint { xi, weight } in rule.iter() {
             let mut shape = [0.0; MAX_FACET_NODES];
-            mesh.facet_kind(facet).shape(&[xi], &mut shape);
+            kind.shape(xi, &mut shape);
             let area = weight
-                * norm(mesh.outward_normal(facet, &[xi]))
-                * measure(analysis, body.thickness, mesh.facet_point(facet, &[xi]));
+                * norm(mesh.outward_normal(facet, xi))
+                * measure(analysis, body.thickness, mesh.facet_point(facet, xi));
             for (&a, na) in nodes.iter().zip(shape) {
                 for (&b, nb) in nodes.iter().zip(shape) {
                     entries.push((a, b, area * na * nb));
@@ -688,18 +877,25 @@ fn pieces(interval: [f64; 2], value: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
     ends.windows(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
-/// Rules for the parts of a reference cell behind and ahead of a line, by the distances of its nodes ahead of it.
+/// Rules for the parts of a plane reference cell behind and ahead of a line, by the distances of its nodes ahead of it.
+fn divided(kind: CellKind, distances: &[f64]) -> [Rule; 2] {
+    let distance = |x: f64, y: f64| interpolated(kind, &[x, y], distances);
+    divided_by(kind.domain() == Domain::Triangle, distance)
+}
+
+/// Nodal values at a point of a cell.
+fn interpolated(kind: CellKind, xi: &[f64], values: &[f64]) -> f64 {
+    let mut shape = [0.0; MAX_CELL_NODES];
+    kind.shape(xi, &mut shape);
+    shape.iter().zip(values).map(|(n, d)| n * d).sum()
+}
+
+/// Rules for the parts of the reference triangle or square where a distance, of degree two at most along x, is negative and positive.
 ///
 /// Lines of the cell along its first coordinate are cut where they meet the line; from one to the other Gauss rules go
 /// between the places where the line enters or leaves the cell. Exact for straight cuts through parallelograms and
 /// triangles, to rounding through all straight-sided cells.
-fn divided(kind: CellKind, distances: &[f64]) -> [Rule; 2] {
-    let distance = |x: f64, y: f64| {
-        let mut shape = [0.0; MAX_CELL_NODES];
-        kind.shape(&[x, y], &mut shape);
-        shape.iter().zip(distances).map(|(n, d)| n * d).sum::<f64>()
-    };
-    let triangle = kind.domain() == Domain::Triangle;
+fn divided_by(triangle: bool, distance: impl Fn(f64, f64) -> f64) -> [Rule; 2] {
     let range = if triangle { [0.0, 1.0] } else { [-1.0, 1.0] };
     let ends = |y: f64| {
         if triangle {
@@ -730,6 +926,181 @@ fn divided(kind: CellKind, distances: &[f64]) -> [Rule; 2] {
         }
     }
     parts
+}
+
+/// Tetrahedra of which a reference cell consists.
+fn tetrahedra(domain: Domain) -> Vec<[[f64; 3]; 4]> {
+    let of = |corners: &[[f64; 3]], all: &[[usize; 4]]| {
+        all.iter().map(|four| four.map(|k| corners[k])).collect()
+    };
+    match domain {
+        Domain::Cube => {
+            let sign = |k: usize, bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+            let corners: Vec<[f64; 3]> =
+                (0..8).map(|k| [0, 1, 2].map(|bit| sign(k, bit))).collect();
+            // around the diagonal from 0 to 7
+            let around = [
+                [0, 1, 3, 7],
+                [0, 3, 2, 7],
+                [0, 2, 6, 7],
+                [0, 6, 4, 7],
+                [0, 4, 5, 7],
+                [0, 5, 1, 7],
+            ];
+            of(&corners, &around)
+        }
+        Domain::Prism => {
+            let corners = [
+                [0.0, 0.0, -1.0],
+                [1.0, 0.0, -1.0],
+                [0.0, 1.0, -1.0],
+                [0.0, 0.0, 1.0],
+                [1.0, 0.0, 1.0],
+                [0.0, 1.0, 1.0],
+            ];
+            of(&corners, &[[0, 1, 2, 3], [1, 2, 3, 4], [2, 3, 4, 5]])
+        }
+        _ => of(
+            &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            &[[0, 1, 2, 3]],
+        ),
+    }
+}
+
+/// Most times that a tetrahedron is divided into eight where the distance is not linear in it, and the part of the distances of a
+/// cell below which it counts as linear.
+const MOST_DIVISIONS: usize = 2;
+const LINEAR: f64 = 1e-4;
+
+/// The part of the distances of a cell below which they are the same: rounding. Points of the rule along that coordinate.
+const CONSTANT: f64 = 1e-9;
+const ALONG_POINTS: usize = 4;
+
+/// The reference coordinate along which nodal values do not change, of cells that go along one.
+fn constant_along(kind: CellKind, values: &[f64]) -> Option<usize> {
+    let size = values.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+    let candidates = match kind.domain() {
+        Domain::Cube => 0..3,
+        Domain::Prism => 2..3,
+        _ => 0..0,
+    };
+    let nodes = || kind.reference_nodes().iter().zip(values);
+    let same = |k: usize| {
+        let apart = |a: &[f64; 3], b: &[f64; 3]| (0..3).any(|i| i != k && a[i] != b[i]);
+        nodes().all(|(a, x)| nodes().all(|(b, y)| apart(a, b) || (x - y).abs() <= CONSTANT * size))
+    };
+    candidates.into_iter().find(|k| same(*k))
+}
+
+/// Rules for the parts of a reference cell in space behind and ahead of a plane, by the distances of its nodes ahead of it.
+///
+/// Cells along whose one coordinate the distance does not change, those of extruded meshes, are divided as plane ones; others into
+/// tetrahedra until the distance is linear in each, which are cut: exact where edges are parallel.
+fn divided_solid(kind: CellKind, distances: &[f64]) -> [Rule; 2] {
+    let distance = |xi: &[f64; 3]| interpolated(kind, xi, distances);
+    if let Some(k) = constant_along(kind, distances) {
+        let place = |x: f64, y: f64, z: f64| {
+            let mut xi = [0.0; 3];
+            (xi[(k + 1) % 3], xi[(k + 2) % 3], xi[k]) = (x, y, z);
+            xi
+        };
+        let triangle = kind.domain() == Domain::Prism;
+        let parts = divided_by(triangle, |x, y| distance(&place(x, y, 0.0)));
+        let rule = gauss(ALONG_POINTS);
+        let carried = |([x, y, _], weight): ([f64; 3], f64)| {
+            let rule = rule.iter();
+            rule.map(move |&(z, w)| (place(x, y, z), weight * w))
+                .collect::<Rule>()
+        };
+        return parts.map(|part| part.into_iter().flat_map(carried).collect());
+    }
+    let size = distances.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+    let mut parts = [Vec::new(), Vec::new()];
+    let mut open: Vec<(usize, [[f64; 3]; 4])> = tetrahedra(kind.domain())
+        .into_iter()
+        .map(|t| (0, t))
+        .collect();
+    let between = |a: [f64; 3], b: [f64; 3]| add_scaled(a, 0.5, sub(b, a));
+    while let Some((depth, corners)) = open.pop() {
+        let values = corners.each_ref().map(distance);
+        let edges = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+        let middles = edges.map(|[i, j]| between(corners[i], corners[j]));
+        let off = |(k, [i, j]): (usize, [usize; 2])| {
+            (distance(&middles[k]) - 0.5 * (values[i] + values[j])).abs()
+        };
+        let bent = edges.into_iter().enumerate().map(off).fold(0.0, f64::max);
+        let nearest = values
+            .iter()
+            .fold(f64::INFINITY, |least, d| least.min(d.abs()));
+        let same = values.iter().all(|d| *d >= 0.0) || values.iter().all(|d| *d <= 0.0);
+        let linear = bent <= LINEAR * size || (same && nearest > 2.0 * bent);
+        if linear || depth == MOST_DIVISIONS {
+            cut_tetrahedron(corners, values, &mut parts);
+            continue;
+        }
+        let [ab, ac, ad, bc, bd, cd] = middles;
+        let [a, b, c, d] = corners;
+        let eight = [
+            [a, ab, ac, ad],
+            [ab, b, bc, bd],
+            [ac, bc, c, cd],
+            [ad, bd, cd, d],
+            [ab, ac, ad, cd],
+            [ab, ad, bd, cd],
+            [ab, bd, bc, cd],
+            [ab, bc, ac, cd],
+        ];
+        open.extend(eight.map(|small| (depth + 1, small)));
+    }
+    parts
+}
+
+/// Adds the points of a rule in the parts of a tetrahedron where a linear function is negative and positive.
+fn cut_tetrahedron(corners: [[f64; 3]; 4], values: [f64; 4], parts: &mut [Rule; 2]) {
+    let mut add = |ahead: bool, corners: [[f64; 3]; 4]| {
+        let [a, b, c, d] = corners;
+        let (u, v, w) = (sub(b, a), sub(c, a), sub(d, a));
+        let volume = dot(cross(u, v), w).abs();
+        for QuadraturePoint { xi, weight } in quadrature::rule(CellKind::Tet4, PART_DEGREE) {
+            let at = add_scaled(add_scaled(add_scaled(a, xi[0], u), xi[1], v), xi[2], w);
+            parts[usize::from(ahead)].push((at, weight * volume));
+        }
+    };
+    let mut order = [0, 1, 2, 3];
+    order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+    let negative = values.iter().filter(|d| **d < 0.0).count();
+    let at = order.map(|k| corners[k]);
+    let zero = |i: usize, j: usize| {
+        let (low, high) = (values[order[i]], values[order[j]]);
+        add_scaled(at[i], low / (low - high), sub(at[j], at[i]))
+    };
+    // a prism between two triangles, as three tetrahedra
+    let prism = |add: &mut dyn FnMut(bool, [[f64; 3]; 4]),
+                 ahead: bool,
+                 [a, b, c]: [[f64; 3]; 3],
+                 [d, e, f]: [[f64; 3]; 3]| {
+        add(ahead, [a, b, c, d]);
+        add(ahead, [b, c, d, e]);
+        add(ahead, [c, d, e, f]);
+    };
+    match negative {
+        0 | 4 => add(negative == 0, corners),
+        1 => {
+            let cut = [zero(0, 1), zero(0, 2), zero(0, 3)];
+            add(false, [at[0], cut[0], cut[1], cut[2]]);
+            prism(&mut add, true, cut, [at[1], at[2], at[3]]);
+        }
+        3 => {
+            let cut = [zero(0, 3), zero(1, 3), zero(2, 3)];
+            add(true, [at[3], cut[0], cut[1], cut[2]]);
+            prism(&mut add, false, cut, [at[0], at[1], at[2]]);
+        }
+        _ => {
+            let [ac, ad, bc, bd] = [zero(0, 2), zero(0, 3), zero(1, 2), zero(1, 3)];
+            prism(&mut add, false, [at[0], ac, ad], [at[1], bc, bd]);
+            prism(&mut add, true, [at[2], ac, bc], [at[3], ad, bd]);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -107,6 +107,58 @@ impl<'a, const D: usize> CellForces<'a, D> {
         Some(&all[cell * count..(cell + 1) * count])
     }
 
+    /// Forces of a part of a cell on its nodes: ∫σ·∇Nₐ over the points of a rule in it.
+    ///
+    /// Errors: an initial stress or strain that is not finite.
+    pub fn of_part(
+        &self,
+        block: usize,
+        cell: usize,
+        rule: &Rule,
+    ) -> Result<[Point<D>; MAX_CELL_NODES], FemError> {
+        let kind = self.body.mesh.blocks()[block].kind;
+        let nodes = self.body.mesh.cell_nodes(block, cell);
+        let cells = &self.blocks[block][0];
+        let law = (cells.lame, cells.analysis);
+        let modes = cells.modes(nodes, self.displacement, &[]);
+        let nearest = self.nearest(block, cell);
+        let table = CellTable::at(kind, rule).formulated(kind, self.body.formulation);
+        let part = cells.at(table);
+        let mut forces = [[0.0; D]; MAX_CELL_NODES];
+        for (q, (xi, _)) in rule.iter().enumerate() {
+            let at = part.deformation(q, (nodes, &modes), self.displacement);
+            let mut stress = cells.lame.stress(at.gradient, at.hoop);
+            let strain = self.body.initial.of_strain(law, at.point, self.time)?;
+            let given = self.body.initial.stress_at(at.point, self.time)?;
+            for (k, stress) in stress.iter_mut().enumerate() {
+                *stress += given[k] + strain[k];
+            }
+            if let Some(own) = nearest(xi) {
+                let plastic = plastic_stress(law.0, law.1, own);
+                stress.iter_mut().zip(plastic).for_each(|(s, p)| *s -= p);
+            }
+            for (force, slope) in forces.iter_mut().zip(&at.gradients).take(nodes.len()) {
+                for (i, force) in force.iter_mut().enumerate() {
+                    let along = (0..D).map(|j| stress[PLACE[i][j]] * slope[j]);
+                    *force += at.volume * along.sum::<f64>();
+                }
+            }
+        }
+        Ok(forces)
+    }
+
+    /// In a part of a cell the plastic strain is that of the nearest point; `None` without any.
+    fn nearest(&self, block: usize, cell: usize) -> impl Fn(&[f64; 3]) -> Option<&'a Strained> {
+        let points = self.plastic(block, cell);
+        let points = points.map(|own| (self.blocks[block][0].table.rule(), own));
+        move |xi| {
+            let (rule, own) = points.as_ref()?;
+            let apart = |k: &usize| distance(rule[*k].0, *xi);
+            let nearest = (0..rule.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
+            Some(&own[nearest])
+        }
+    }
+
     /// Total hoop stress in a part of a cell, or in all of it as its forces are integrated: place, volume and stress at
     /// points of rules, whose sum is the integral. With axial symmetry.
     ///
@@ -125,16 +177,8 @@ impl<'a, const D: usize> CellForces<'a, D> {
             Some(rule) => [rule.clone(), rule.clone()],
             None => [cells.table.rule(), of_initial.table.rule()],
         };
-        // in a part of a cell the plastic strain is that of the nearest point
-        let points = self
-            .plastic(block, cell)
-            .map(|own| (cells.table.rule(), own));
-        let hoop = |xi: &[f64; 3]| {
-            let (rule, own) = points.as_ref()?;
-            let apart = |k: &usize| distance(rule[*k].0, *xi);
-            let nearest = (0..rule.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
-            Some(plastic_stress(law.0, law.1, &own[nearest])[2])
-        };
+        let nearest = self.nearest(block, cell);
+        let hoop = |xi: &[f64; 3]| Some(plastic_stress(law.0, law.1, nearest(xi)?)[2]);
         let cells = cells.at(CellTable::at(kind, &elastic));
         let mut all = Vec::new();
         for (q, (xi, _)) in elastic.iter().enumerate() {

@@ -61,7 +61,7 @@ pub use supports::{Constraints, Held, nearest_node, node_normals};
 
 pub(crate) use cells::measure;
 pub(crate) use coincident::{SAME, coincident, largest_facet, placed, spans};
-pub(crate) use cut::{Ahead, Push, Resultant};
+pub(crate) use cut::{Ahead, Along, Push, Resultant, Sums};
 pub(crate) use cyclic::{Turn, Twins};
 pub(crate) use enhanced::has_modes;
 pub(crate) use error::{Short, show};

@@ -11,6 +11,7 @@ mod basis;
 mod cell;
 mod check;
 mod error;
+mod extruded;
 mod facets;
 mod generate;
 mod import;
@@ -28,6 +29,8 @@ mod strip;
 
 pub use cell::{CellBlock, MAX_CELL_NODES, MAX_FACET_NODES, drop_repeated};
 pub use error::MeshError;
+pub use extruded::ExtrudedError;
+pub(crate) use extruded::{Axes, direction, extent, levels, profile};
 pub use facets::{Chain, FacetTable};
 pub(crate) use generate::pieces;
 pub use generate::{

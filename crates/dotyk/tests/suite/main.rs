@@ -43,6 +43,7 @@ mod points;
 mod probes;
 mod rates;
 mod sections;
+mod sections_in_space;
 mod sections_of_several;
 mod sliding;
 mod solids;

@@ -221,6 +221,8 @@ impl<const D: usize> Model<D> {
             bodies,
             sides,
             stations,
+            axis: None,
+            places: 1,
             capacity: None,
         });
         let last = self.sections.len() - 1;

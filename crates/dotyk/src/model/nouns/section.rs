@@ -12,9 +12,19 @@
 //! N > 0 is tension, V > 0 pushes the part ahead towards the first side, M > 0 is tension on the first side. In the plane they
 //! are per unit of thickness, with axial symmetry (meridional forces) per unit of circumference at the middle of the cut; there
 //! ∫σ_θ dy and ∫σ_θ y dy of the recovered hoop stress, y from the middle to the first side, are given, too.
+//!
+//! In space the bodies are extruded along an axis a = t × e, and all are per unit of length along it: the mean over the length, about
+//! the middle of the cut,
+//!
+//! ```text
+//!   N = F·t/L     V = −F·e/L     V2 = −F·a/L     M = −m·a/L     M2 = m·e/L     T = m·t/L
+//! ```
+//!
+//! or their distribution along it, n(z), v(z), .. at some places between which they are linear, moments about the middle line there.
+//! V2 > 0 pushes the part ahead along the axis, M2 > 0 is tension at its end, T > 0 turns the part behind about s.
 
 use crate::geometry::Point;
-use crate::mesh::StripError;
+use crate::mesh::{ExtrudedError, StripError};
 use crate::model::nouns::capacity::Capacity;
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::ids::{BodyId, SideRef};
@@ -30,6 +40,10 @@ pub struct Section<const D: usize> {
     pub sides: [Vec<SideRef>; 2],
     /// Where they are cut.
     pub stations: Stations<D>,
+    /// In space: the direction of extrusion, a unit vector; found where the long sides are not plane.
+    pub axis: Option<Point<D>>,
+    /// In space: at how many equally spaced places along the axis, both ends included, forces are told; 1 tells their mean.
+    pub places: usize,
     /// Its capacity.
     pub capacity: Option<Capacity>,
 }
@@ -47,8 +61,14 @@ pub enum Stations<const D: usize> {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SectionError {
     /// In space.
-    #[error("section forces in space are not supported yet")]
-    Space,
+    #[error(transparent)]
+    Extruded(#[from] ExtrudedError),
+    /// In the plane.
+    #[error("`axis` and `places` are those of sections in space")]
+    Plane,
+    /// No place.
+    #[error("forces are told at one place along the axis at least")]
+    NoPlace,
     /// The sides.
     #[error(transparent)]
     Sides(#[from] StripError),
@@ -65,12 +85,12 @@ pub enum SectionError {
     #[error("its bodies have different thicknesses, {} and {}: section forces are per unit of thickness", .0[0], .0[1])]
     Thicknesses([f64; 2]),
     /// A point that lies on no cut.
-    #[error("station {} at ({}, {}) lies beside the body", .index + 1, .point[0], .point[1])]
+    #[error("station {} at ({}) lies beside the body", .index + 1, .point.iter().map(f64::to_string).collect::<Vec<_>>().join(", "))]
     Off {
         /// From zero.
         index: usize,
         /// The point.
-        point: [f64; 2],
+        point: Vec<f64>,
     },
     /// A cut that ends within the body.
     #[error("the cut of station {} ends within the body, at ({:.4}, {:.4}): its line goes on through it there", .index + 1, .at[0], .at[1])]
@@ -103,8 +123,21 @@ pub struct SectionSolution {
     pub length: f64,
     /// It goes all around; the last station may be the first.
     pub closed: bool,
-    /// In their order.
+    /// In space: the extrusion.
+    pub extrusion: Option<Extrusion>,
+    /// In their order; in space all of them once for each place along the axis.
     pub stations: Vec<Station>,
+}
+
+/// The extrusion of the bodies of a section.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extrusion {
+    /// Its direction.
+    pub axis: [f64; 3],
+    /// How long it is; forces are per unit of it.
+    pub length: f64,
+    /// Number of places along it; 1: the mean.
+    pub places: usize,
 }
 
 /// Forces on one cut; not a number where no body is there yet.
@@ -112,9 +145,9 @@ pub struct SectionSolution {
 pub struct Station {
     /// Length of the middle line up to it.
     pub s: f64,
-    /// Middle of the cut.
+    /// Middle of the cut, in the plane of the cuts.
     pub point: [f64; 2],
-    /// Unit vector from the second side to the first.
+    /// Unit vector from the second side to the first, in the plane of the cuts.
     pub toward_first: [f64; 2],
     /// Length of the cut.
     pub thickness: f64,
@@ -126,11 +159,34 @@ pub struct Station {
     pub moment: f64,
     /// With axial symmetry: normal force and moment around the axis.
     pub hoop: Option<[f64; 2]>,
+    /// In space.
+    pub across: Option<Across>,
     /// With a capacity: 1 is the limit.
     pub utilisation: Option<f64>,
 }
 
+/// What a cut in space has besides N, V and M.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Across {
+    /// Its middle.
+    pub point: [f64; 3],
+    /// Its place along the axis, from the end of the bodies.
+    pub along: f64,
+    /// V2, positive where it pushes the part ahead along the axis.
+    pub shear: f64,
+    /// M2, positive with tension at the end to which the axis points; of a cut as a whole.
+    pub moment: Option<f64>,
+    /// T, right-handed about s on the part behind.
+    pub twist: f64,
+}
+
 impl Station {
+    /// The middle of the cut; the third coordinate is zero in the plane.
+    pub fn place(&self) -> [f64; 3] {
+        let [x, y] = self.point;
+        self.across.map_or([x, y, 0.0], |across| across.point)
+    }
+
     /// Direction of s in degrees from +x, in (−180, 180].
     pub fn angle(&self) -> f64 {
         let [x, y] = self.toward_first;
@@ -157,13 +213,27 @@ pub enum SectionQuantity {
     Shear,
     /// M.
     Moment,
+    /// V2, in space.
+    AxialShear,
+    /// M2, in space.
+    AxialMoment,
+    /// T, in space.
+    Twist,
     /// Where there is a capacity.
     Utilisation,
 }
 
 impl SectionQuantity {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Normal, Self::Shear, Self::Moment, Self::Utilisation];
+    pub const ALL: [Self; 7] = [
+        Self::Normal,
+        Self::Shear,
+        Self::Moment,
+        Self::AxialShear,
+        Self::AxialMoment,
+        Self::Twist,
+        Self::Utilisation,
+    ];
 
     /// Its name in quantities and result files.
     pub fn name(self) -> &'static str {
@@ -171,6 +241,9 @@ impl SectionQuantity {
             Self::Normal => "N",
             Self::Shear => "V",
             Self::Moment => "M",
+            Self::AxialShear => "V2",
+            Self::AxialMoment => "M2",
+            Self::Twist => "T",
             Self::Utilisation => "utilisation",
         }
     }
@@ -178,18 +251,22 @@ impl SectionQuantity {
     /// Its dimension.
     pub fn dimension(self) -> Dimension {
         match self {
-            Self::Normal | Self::Shear => Dimension::ForcePerLength,
-            Self::Moment => Dimension::MomentPerLength,
+            Self::Normal | Self::Shear | Self::AxialShear => Dimension::ForcePerLength,
+            Self::Moment | Self::AxialMoment | Self::Twist => Dimension::MomentPerLength,
             Self::Utilisation => Dimension::Ratio,
         }
     }
 
-    /// Its value at a station; NaN without a capacity.
+    /// Its value at a station; NaN where it has none.
     pub fn at(self, station: &Station) -> f64 {
+        let across = |value: fn(&Across) -> f64| station.across.as_ref().map_or(f64::NAN, value);
         match self {
             Self::Normal => station.normal,
             Self::Shear => station.shear,
             Self::Moment => station.moment,
+            Self::AxialShear => across(|own| own.shear),
+            Self::AxialMoment => across(|own| own.moment.unwrap_or(f64::NAN)),
+            Self::Twist => across(|own| own.twist),
             Self::Utilisation => station.utilisation.unwrap_or(f64::NAN),
         }
     }

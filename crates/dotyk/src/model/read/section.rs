@@ -5,54 +5,72 @@
 //! two of them are inner ones, not among the forces ahead, H f: of −Σ(φ − H)f its nodal forces, which are known, remain, −Σφ f, and no
 //! traction is made of them. Their sum is zero where φ raises all or none of its nodes. Where two bodies meet at a cut it divides the one
 //! that begins there; where it lies in the gap of an open joint, the forces of the joint are all that it divides.
+//!
+//! In space the strip is that of the profiles of its bodies (`mesh/extruded.rs`), and a cut goes all along them.
 
-use crate::fem::{Ahead, Analysis, Body, Push, Resultant};
-use crate::geometry::{Groups, Point, add_scaled, distance, dot, padded, sub};
-use crate::mesh::{Cut, Facet, Located, Mesh, Strip, locate_all};
+use crate::fem::{Ahead, Along, Analysis, Body, Push, Resultant, Sums};
+use crate::geometry::{Groups, Point, add_scaled, dot, norm, padded, sub};
+use crate::mesh::{
+    Axes, Cut, ExtrudedError, Facet, Located, Mesh, Strip, StripError, direction, extent, levels,
+    locate_all, profile,
+};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Model, Place};
 use crate::model::nouns::presence::{Absent, Stage};
-use crate::model::nouns::section::{Section, SectionError, SectionSolution, Station, Stations};
+use crate::model::nouns::section::{
+    Across, Extrusion, Section, SectionError, SectionSolution, Station, Stations,
+};
 use crate::model::nouns::solution::BodySolution;
 use crate::model::read::fields::support_forces;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Condition, row_ranges};
 use crate::model::system::displaced::Displaced;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The cuts of a section, which do not change from step to step.
 pub(crate) struct Laid<const D: usize> {
-    cuts: Vec<Cut>,
-    length: f64,
-    closed: bool,
+    lines: Lines<D>,
     /// All its bodies are there: where the cut passes through none of them, nothing is borne.
     whole: bool,
     /// With axial symmetry, for each cut.
-    across: Vec<Vec<Across<D>>>,
+    hoops: Vec<Vec<OnCut<D>>>,
+}
+
+/// The cuts of a section, and what they go along.
+struct Lines<const D: usize> {
+    cuts: Vec<Cut>,
+    length: f64,
+    closed: bool,
+    reach: Reach<D>,
+}
+
+/// The axes of cuts, and how far bodies in space go along the third of them.
+struct Reach<const D: usize> {
+    axes: Axes<D>,
+    along: Along,
+    ends: Option<[f64; 2]>,
 }
 
 /// A place in a body.
 type Within<const D: usize> = (usize, Located<D>);
 
 /// A place on a cut, the part of the cut before it, and its weight; the sum of the weights is the length of the cut.
-type Across<const D: usize> = (Option<Within<D>>, f64, f64);
+type OnCut<const D: usize> = (Option<Within<D>>, f64, f64);
 
 impl<const D: usize> Section<D> {
     /// Its stations on the middle line of its bodies, which are some of a model's.
     ///
-    /// Errors: sides that are not two long sides; stations beside the bodies; bars outside of the section.
+    /// Errors: sides that are not two long sides; stations beside the bodies; bars outside of the section; in space, bodies that are
+    /// not extruded.
     pub fn check(&self, bodies: &[Body<D>]) -> Result<(), SectionError> {
         self.cuts(bodies, &[]).map(|_| ())
     }
 
-    fn cuts(
-        &self,
-        bodies: &[Body<D>],
-        absent: &[Absent<D>],
-    ) -> Result<(Vec<Cut>, f64, bool), SectionError> {
+    fn cuts(&self, bodies: &[Body<D>], absent: &[Absent<D>]) -> Result<Lines<D>, SectionError> {
         let own: BTreeSet<usize> = self.bodies.iter().map(|body| body.0).collect();
         if own.is_empty() || own.len() < self.bodies.len() {
             return Err(SectionError::Bodies);
@@ -62,13 +80,15 @@ impl<const D: usize> Section<D> {
         if let Some(other) = thicknesses.into_iter().find(|&other| other != first) {
             return Err(SectionError::Thicknesses([first, other]));
         }
-        let plane = |mesh: &'_ Arc<Mesh<D>>| mesh.in_plane().is_some();
-        let present = self.bodies.iter().map(|body| &bodies[body.0].mesh);
-        let all: Vec<&Arc<Mesh<D>>> = present.chain(absent.iter().map(|a| &a.mesh)).collect();
-        if !all.iter().all(|mesh| plane(mesh)) {
-            return Err(SectionError::Space);
-        }
-        let meshes: Vec<&Mesh<2>> = all.iter().filter_map(|mesh| mesh.in_plane()).collect();
+        let present = self.bodies.iter().map(|body| &*bodies[body.0].mesh);
+        let all: Vec<&Mesh<D>> = present.chain(absent.iter().map(|a| &*a.mesh)).collect();
+        let reach = self.reach(bodies, absent)?;
+        let profiles = all.iter().map(|mesh| match mesh.in_plane() {
+            Some(plane) => Ok(Cow::Borrowed(plane)),
+            None => profile(mesh, &reach.axes).map(Cow::Owned),
+        });
+        let profiles: Vec<Cow<'_, Mesh<2>>> = profiles.collect::<Result<_, _>>()?;
+        let meshes: Vec<&Mesh<2>> = profiles.iter().map(|profile| &**profile).collect();
         let line = |k: usize| -> Result<Vec<(&Mesh<2>, &str)>, SectionError> {
             let own = self.sides[k].iter().map(|side| {
                 let place = self.bodies.iter().position(|body| *body == side.body);
@@ -99,10 +119,12 @@ impl<const D: usize> Section<D> {
             }
             Stations::Points(points) => {
                 let found = points.iter().enumerate().map(|(index, point)| {
-                    let point = [point[0], point[1]];
-                    strip
-                        .nearest(point)
-                        .ok_or(SectionError::Off { index, point })
+                    let [x, y, _] = reach.axes.local(*point);
+                    let off = || SectionError::Off {
+                        index,
+                        point: point.to_vec(),
+                    };
+                    strip.nearest([x, y]).ok_or_else(off)
                 });
                 found.collect::<Result<_, _>>()?
             }
@@ -124,7 +146,74 @@ impl<const D: usize> Section<D> {
                 });
             }
         }
-        Ok((cuts, length, strip.closed()))
+        Ok(Lines {
+            length,
+            closed: strip.closed(),
+            reach,
+            cuts,
+        })
+    }
+
+    /// The axes of the cuts, and in space the places along the bodies, present or not.
+    ///
+    /// Errors: bodies in space that are not extruded along one direction, from one end to the other; places closer than cells.
+    fn reach(&self, bodies: &[Body<D>], absent: &[Absent<D>]) -> Result<Reach<D>, SectionError> {
+        if D == 2 {
+            return match (self.axis, self.places) {
+                (None, 1) => Ok(Reach {
+                    axes: Axes::of_coordinates(),
+                    along: Along::default(),
+                    ends: None,
+                }),
+                _ => Err(SectionError::Plane),
+            };
+        }
+        let own = self.sides.iter().flatten();
+        let own = own.map(|side| (&*bodies[side.body.0].mesh, side.side.as_str()));
+        let gone = absent.iter().flat_map(|absent| {
+            let sides = absent.sides.iter().flatten();
+            sides.map(|side| (&*absent.mesh, side.as_str()))
+        });
+        let facets = own.chain(gone).map(|(mesh, side)| {
+            let unknown = || StripError::Unknown(side.to_string());
+            Ok((mesh, mesh.side(side).ok_or_else(unknown)?))
+        });
+        let facets: Vec<(&Mesh<D>, &[Facet])> = facets.collect::<Result<_, StripError>>()?;
+        let axes = Axes::along(direction(&facets, self.axis)?);
+        let present = self.bodies.iter().map(|body| &bodies[body.0].mesh);
+        let mut extents = present
+            .chain(absent.iter().map(|a| &a.mesh))
+            .map(|mesh| extent(mesh, axes.axis()));
+        let ends @ [from, to] = extents.next().ok_or(SectionError::Bodies)?;
+        let apart = |a: f64, b: f64| (a - b).abs() > ON_BORDER * (to - from);
+        if let Some(other) = extents.find(|other| apart(other[0], from) || apart(other[1], to)) {
+            return Err(ExtrudedError::Lengths(ends, other).into());
+        }
+        if self.places == 0 {
+            return Err(SectionError::NoPlace);
+        }
+        let (mut places, mut knots) = (Vec::new(), Vec::new());
+        if self.places > 1 {
+            let step = (to - from) / (self.places - 1) as f64;
+            places.extend((0..self.places).map(|k| from + k as f64 * step));
+            knots = match levels(&facets, axes.axis()) {
+                Ok(levels) => levels,
+                Err(cells) if cells > (1.0 + ON_BORDER) * step => {
+                    return Err(ExtrudedError::Finer { step, cells }.into());
+                }
+                Err(_) => places.clone(),
+            };
+        }
+        let middle = 0.5 * (from + to);
+        Ok(Reach {
+            axes,
+            along: Along {
+                middle,
+                levels: knots,
+                places,
+            },
+            ends: Some(ends),
+        })
     }
 }
 
@@ -174,24 +263,22 @@ pub(crate) fn lay_out<const D: usize>(stage: &Stage<'_, D>) -> Result<Vec<Laid<D
     let laid = model.sections.iter().enumerate().map(|(k, section)| {
         let absent = stage.missing.get(k).map_or(&[][..], Vec::as_slice);
         let cuts = section.cuts(&model.bodies, absent);
-        let (cuts, length, closed) = cuts.map_err(|source| Error::Section {
+        let lines = cuts.map_err(|source| Error::Section {
             section: section.name.clone(),
             source,
         })?;
         let bodies: Vec<usize> = section.bodies.iter().map(|body| body.0).collect();
-        let across = match model.analysis {
+        let hoops = match model.analysis {
             Analysis::Axisymmetric => {
-                let places = cuts.iter().map(|cut| places_on(model, &bodies, cut));
+                let places = lines.cuts.iter().map(|cut| places_on(model, &bodies, cut));
                 places.collect()
             }
             _ => Vec::new(),
         };
         Ok(Laid {
-            cuts,
-            length,
-            closed,
+            lines,
             whole: absent.is_empty(),
-            across,
+            hoops,
         })
     });
     laid.collect()
@@ -202,7 +289,7 @@ const PARTS: usize = 16;
 
 /// Places across a cut in these bodies: each with the part of the cut before it, from its first side, and a weight. Several bodies are
 /// integrated one by one: their stresses jump from one to the next.
-fn places_on<const D: usize>(model: &Model<D>, bodies: &[usize], cut: &Cut) -> Vec<Across<D>> {
+fn places_on<const D: usize>(model: &Model<D>, bodies: &[usize], cut: &Cut) -> Vec<OnCut<D>> {
     let step = sub(cut.second, cut.first);
     // Gauss's three points on [0, 1]
     let reach = 0.15_f64.sqrt();
@@ -418,7 +505,7 @@ fn evened<const D: usize>(
         let [own, other] = nodes.map(|(of, node)| {
             let mut pushes = spread.iter().filter(|((body, _), _)| *body == of);
             pushes.find_map(|(&key, push)| {
-                let length = length_at(&model.bodies[of].mesh, push, node);
+                let length = size_at(&model.bodies[of].mesh, push, node);
                 let force = push.forces.get(&node).copied().unwrap_or([0.0; D]);
                 (length > 0.0).then_some((key, length, force))
             })
@@ -439,18 +526,18 @@ fn evened<const D: usize>(
     pairs
 }
 
-/// Length of the facets of some sides at a node.
-fn length_at<const D: usize>(mesh: &Mesh<D>, push: &Push<D>, node: usize) -> f64 {
+/// Size of the facets of some sides at a node, as their middles tell it.
+fn size_at<const D: usize>(mesh: &Mesh<D>, push: &Push<D>, node: usize) -> f64 {
     let facets: BTreeSet<Facet> = {
         let sides = push.sides.iter().filter_map(|side| mesh.side(side));
         sides.flatten().copied().collect()
     };
     let at_node = |facet: &&Facet| mesh.facet_nodes(**facet).any(|own| own as usize == node);
-    let length = |facet: &Facet| {
-        let [a, b] = [-1.0, 1.0].map(|xi| mesh.facet_point(*facet, &[xi]));
-        distance(a, b)
+    let size = |facet: &Facet| {
+        let domain = mesh.facet_kind(*facet).domain();
+        domain.volume() * norm(mesh.outward_normal(*facet, &domain.centre()))
     };
-    facets.iter().filter(at_node).map(length).sum()
+    facets.iter().filter(at_node).map(size).sum()
 }
 
 /// Forces of a contact between two bodies, by multipliers.
@@ -475,6 +562,7 @@ pub(crate) fn section_forces<const D: usize>(
 ) -> Result<Vec<SectionSolution>, Error<D>> {
     let asked = model.sections.iter().zip(laid).zip(exerted);
     let solved = asked.map(|((section, laid), exerted)| {
+        let (lines, reach) = (&laid.lines, &laid.lines.reach);
         let in_body = |of: usize| move |source| Error::in_body(&model.bodies[of], source);
         let mut ahead: BTreeMap<usize, Ahead<'_, D>> = BTreeMap::new();
         for (&of, pushes) in &exerted.on {
@@ -484,68 +572,111 @@ pub(crate) fn section_forces<const D: usize>(
                 condensed.time,
                 &bodies[of].displacement,
                 (pushes, &bodies[of].member_forces),
+                (reach.axes, &reach.along),
             );
             ahead.insert(of, own.map_err(in_body(of))?);
         }
-        let stations = laid.cuts.iter().enumerate().map(|(k, cut)| {
-            let mut sum = laid.whole.then(Resultant::default);
+        let width = |cut: &Cut| match model.analysis {
+            Analysis::Axisymmetric => 2.0 * PI * cut.middle()[0],
+            _ if reach.along.places.is_empty() => match reach.ends {
+                Some([from, to]) => to - from,
+                None => model.bodies[section.bodies[0].0].thickness,
+            },
+            // they are per length already
+            _ => 1.0,
+        };
+        let mut stations = vec![Vec::new(); reach.along.count()];
+        for (k, cut) in lines.cuts.iter().enumerate() {
+            let mut sum = laid.whole.then(|| Sums::new(&reach.along, cut));
             let mut layers = BTreeMap::new();
             for (&of, ahead) in &ahead {
                 let layer = ahead.layer(cut);
                 if !layer.is_empty() {
                     let own = ahead.of(cut, &layer).map_err(in_body(of))?;
-                    sum.get_or_insert(Resultant::default()).join(own);
+                    sum.get_or_insert_with(|| Sums::new(&reach.along, cut))
+                        .join(&own);
                 }
                 layers.insert(of, layer);
             }
             for pair in &exerted.between {
                 let risen = || pair.iter().filter(|(of, node, _)| layers[of].rises(*node));
-                if (1..pair.len()).contains(&risen().count()) && through(model, cut, pair) {
-                    let sum = sum.get_or_insert(Resultant::default());
-                    risen().for_each(|(of, node, force)| ahead[of].push(cut, *node, *force, sum));
+                if (1..pair.len()).contains(&risen().count())
+                    && through((model, &reach.axes), cut, pair)
+                {
+                    let sum = sum.get_or_insert_with(|| Sums::new(&reach.along, cut));
+                    risen().for_each(|(of, node, force)| ahead[of].push(*node, *force, sum));
                 }
             }
-            let (middle, thickness, first) = (cut.middle(), cut.thickness(), cut.toward_first());
-            let width = match model.analysis {
-                Analysis::Axisymmetric => 2.0 * PI * middle[0],
-                _ => model.bodies[section.bodies[0].0].thickness,
-            };
-            let along = |direction: [f64; 2]| {
-                let force = sum.map_or([f64::NAN; 2], |sum| sum.force);
-                dot(force, direction) / width
-            };
-            let moment = sum.map_or(f64::NAN, |sum| -sum.moment / width);
-            let normal = along(cut.along());
-            let hoop = laid.across.get(k).map(|places| hoop_forces(places, bodies));
-            Ok(Station {
-                s: cut.s,
-                point: middle,
-                toward_first: first,
-                thickness,
-                normal,
-                shear: -along(first),
-                moment,
-                hoop: hoop.map(|hoop| hoop.map(|own| if sum.is_some() { own } else { f64::NAN })),
-                utilisation: section.capacity.as_ref().map(|capacity| match sum {
-                    Some(_) => capacity.utilisation(thickness, normal, moment),
-                    None => f64::NAN,
-                }),
-            })
-        });
+            let there = sum.is_some();
+            let hoop = laid.hoops.get(k).map(|places| hoop_forces(places, bodies));
+            let hoop = hoop.map(|hoop| hoop.map(|own| if there { own } else { f64::NAN }));
+            let nowhere = Resultant::nowhere();
+            let resultants = sum.map_or(vec![nowhere; stations.len()], Sums::linear);
+            for (place, (own, resultant)) in stations.iter_mut().zip(resultants).enumerate() {
+                let mut station = reach.station(cut, place, resultant, width(cut));
+                station.hoop = hoop;
+                station.utilisation = section.capacity.as_ref().map(|capacity| match there {
+                    true => capacity.utilisation(station.thickness, station.normal, station.moment),
+                    false => f64::NAN,
+                });
+                own.push(station);
+            }
+        }
         Ok(SectionSolution {
             name: section.name.clone(),
-            length: laid.length,
-            closed: laid.closed,
-            stations: stations.collect::<Result<_, Error<D>>>()?,
+            length: lines.length,
+            closed: lines.closed,
+            extrusion: reach.ends.map(|[from, to]| Extrusion {
+                axis: padded(reach.axes.axis()),
+                length: to - from,
+                places: reach.along.count(),
+            }),
+            stations: stations.concat(),
         })
     });
     solved.collect()
 }
 
+impl<const D: usize> Reach<D> {
+    /// The forces of a cut at one of its places along the axis, from the resultant there on a width.
+    fn station(&self, cut: &Cut, place: usize, resultant: Resultant, width: f64) -> Station {
+        let (middle, first, along) = (cut.middle(), cut.toward_first(), cut.along());
+        let (force, moment) = (resultant.force, resultant.moment);
+        let of = |vector: [f64; 3], [x, y]: Point<2>| (vector[0] * x + vector[1] * y) / width;
+        let across = self.ends.map(|[from, _]| {
+            let at = self.along.places.get(place).copied();
+            let at = at.unwrap_or(self.along.middle);
+            Across {
+                point: padded(self.axes.global([middle[0], middle[1], at])),
+                along: at - from,
+                shear: -force[2] / width,
+                moment: self.along.places.is_empty().then(|| of(moment, first)),
+                twist: of(moment, along),
+            }
+        });
+        Station {
+            s: cut.s,
+            point: middle,
+            toward_first: first,
+            thickness: cut.thickness(),
+            normal: of(force, along),
+            shear: -of(force, first),
+            moment: -moment[2] / width,
+            hoop: None,
+            across,
+            utilisation: None,
+        }
+    }
+}
+
 /// The forces of a multiplier act where the line of a cut passes between its ends.
-fn through<const D: usize>(model: &Model<D>, cut: &Cut, pair: &[Pushed<D>]) -> bool {
+fn through<const D: usize>(
+    (model, axes): (&Model<D>, &Axes<D>),
+    cut: &Cut,
+    pair: &[Pushed<D>],
+) -> bool {
     let along = pair.iter().map(|(of, node, _)| {
-        let [x, y] = [0, 1].map(|i| model.bodies[*of].mesh.points()[*node][i]);
+        let [x, y, _] = axes.local(model.bodies[*of].mesh.points()[*node]);
         dot(sub([x, y], cut.middle()), cut.toward_first())
     });
     let mean = along.sum::<f64>() / pair.len() as f64;
@@ -553,7 +684,7 @@ fn through<const D: usize>(model: &Model<D>, cut: &Cut, pair: &[Pushed<D>]) -> b
 }
 
 /// ∫σ_zz and ∫σ_zz y over a cut, from places on it.
-fn hoop_forces<const D: usize>(places: &[Across<D>], bodies: &[BodySolution<D>]) -> [f64; 2] {
+fn hoop_forces<const D: usize>(places: &[OnCut<D>], bodies: &[BodySolution<D>]) -> [f64; 2] {
     let thickness: f64 = places.iter().map(|(.., weight)| weight).sum();
     let mut sums = [0.0; 2];
     for (place, x, weight) in places {
