@@ -529,8 +529,11 @@ class Model:
         capacity: Table | None = None,
         reinforcement: Sequence[Table] | None = None,
         bodies: Sequence[str | Body] | None = None,
+        axis: Sequence[float] | None = None,
+        places: int | None = None,
     ) -> Model:
-        """Adds a section: N, V and M on cuts between two sides of a body, or of several bodies, by equilibrium.
+        """Adds a section: N, V and M on cuts between two sides of a body, or of several bodies, by equilibrium; in space of bodies
+        extruded along an axis, as means over their length or at some places along it.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
@@ -538,6 +541,13 @@ class Model:
         >>> _ = m.section("hoop", body="ring", sides=["inner", "outer"], stations=8)
         >>> _ = m.body("shell", dotyk.ring(0.9, 1, cells=[30, 2]), young=1, poisson=0.3)
         >>> _ = m.section("both", bodies=["ring", "shell"], sides=["shell.inner", "ring.outer"], stations=8)
+        >>> m = dotyk.Model("3d")
+        >>> tube = dotyk.extrude(dotyk.ring(1, 1.2, from_=0, to=90, cells=[8, 2], cell="quad8"), height=3, layers=2)
+        >>> tube = m.body("tube", tube, young=1, poisson=0.3).load("inner", pressure=1)
+        >>> _ = tube.fix("start", y=0).fix("end", x=0).fix("first", z=0).fix("last", z=0)
+        >>> s = m.section("hoop", body="tube", sides=["inner", "outer"], stations=2, places=3).solve()
+        >>> [(station["along"], round(station["N"], 6)) for station in s.sections["hoop"].stations][::2]
+        [(0.0, 1.0), (1.5, 1.0), (3.0, 1.0)]
         """
         body = body.name if isinstance(body, Body) else body
         if bodies is not None:

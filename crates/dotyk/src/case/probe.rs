@@ -8,7 +8,8 @@ use crate::case::points::place;
 use crate::case::suggest::listed;
 use crate::geometry::{Field, distance};
 use crate::model::{
-    Along, Body, BodyId, Contact, Member, Mistake, Probe, Quantity, QuantityError, Reading, Section,
+    Along, Body, BodyId, Contact, Member, Mistake, Probe, Quantity, QuantityError, Reading,
+    Section, SectionQuantity,
 };
 
 fn reductions<const D: usize>() -> [(&'static str, Reading<D>); 4] {
@@ -84,7 +85,18 @@ fn refuse_beside_stations<const D: usize>(
     node: &Node,
     sections: &[Section<D>],
 ) -> Result<(), Fault> {
-    if let Some(section) = quantity.utilised_section()
+    if let Some((section, SectionQuantity::AxialMoment)) = quantity.of_section()
+        && sections[section].places > 1
+    {
+        let message = format!(
+            "section `{}` tells M2 of whole cuts alone",
+            sections[section].name
+        );
+        return Err(Fault::new(&node.span, message)
+            .label("at places along the axis N tells it")
+            .help("add a section without `places`"));
+    }
+    if let Some((section, SectionQuantity::Utilisation)) = quantity.of_section()
         && sections[section].capacity.is_none()
     {
         let message = format!(

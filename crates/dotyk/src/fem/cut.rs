@@ -12,15 +12,16 @@
 //! statics determines it; elsewhere (a ring) it follows from the displacements, with twice the order of accuracy of stresses. No stress
 //! is recovered. With axial symmetry the hoop stress is a force per volume −σ_θ/r along r.
 //!
-//! *Along the axis* the forces per unit of length are found, too, at levels between which they are linear. With the hat ψ of a level and
-//! the nodal field v = Σ ψ w N, in place of w, the same identity holds but for the work of the part ahead in v, which is no rigid motion:
+//! *Along the axis* the forces per unit of length are found, too. With the hat ψ of a level of nodes and the nodal field v = Σ ψ w N, in
+//! place of w, the same identity holds but for the work of the part ahead in v, which is no rigid motion:
 //!
 //! ```text
 //!   ∫ ψ w·t dA over the cut = ∫ σ : ∇(φv) dV  −  ∫ H σ : ∇v dV  −  ∫ (φ − H) f·v     over the layer,      t: force on the part behind
 //! ```
 //!
-//! and the mass of the hats makes the linear forces of which these are the weighted ones. Their sum over the hats is the resultant of
-//! the whole cut. Turns w are about the middle line there: arms have no component along the axis.
+//! The values at the levels are those of which these weighted ones are the integrals, by weights that are exact for polynomials of degree
+//! two (`Along::values`): with hats alone they would be off by (kh)²/12 for waves cos kz on levels at distances h. The sum over the hats
+//! is the resultant of the whole cut. Turns w are about the middle line there: arms have no component along the axis.
 //!
 //! * Tractions, body force and springs of sides are integrated exactly up to the cut, through cells and facets.
 //! * Of contacts, couples, supports of sides and beds that only press nodal forces are known. They count as the traction of shape
@@ -108,12 +109,15 @@ struct Pushed<const D: usize> {
     traction: Vec<Point<D>>,
 }
 
+/// Ratio of two steps along the axis from which weights that are exact for parabolas are not positive any more: 1.62.
+const UNEVEN: f64 = 1.5;
+
 /// Where forces are found along the axis of a cut.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Along {
     /// The middle of the body along the axis.
     pub middle: f64,
-    /// The levels between which forces per length are linear, ascending; none: those of the whole cut.
+    /// The levels at which forces per length are found, ascending; none: those of the whole cut.
     pub levels: Vec<f64>,
     /// Where they are told.
     pub places: Vec<f64>,
@@ -137,40 +141,101 @@ impl Along {
         [(next - 1, 1.0 - part), (next, part)]
     }
 
-    /// The values at the places of linear ones of which these (levels,) are the integrals with the hats: by the tridiagonal mass of
-    /// the hats.
-    fn linear(&self, mut weighted: Vec<Resultant>) -> Vec<Resultant> {
-        if self.levels.is_empty() {
+    /// The values at the places of smooth forces per length of which these (levels,) are the integrals with the hats.
+    ///
+    /// A hat with the moments m₀, m₁, m₂ about its level weighs the values at three levels so that polynomials of degree two are exact:
+    /// itself and its neighbours, at an end the two next ones; where steps are uneven so that lines are exact. Between levels the values are those of the parabola through three of them.
+    fn values(&self, mut weighted: Vec<Resultant>) -> Vec<Resultant> {
+        let levels = &self.levels;
+        let Some(last) = levels.len().checked_sub(1) else {
             return weighted;
+        };
+        let step = |k: usize| levels[k + 1] - levels[k];
+        let even = |a: f64, b: f64| a < UNEVEN * b && b < UNEVEN * a;
+        // [before, itself, after] of each level
+        let mut rows: Vec<[f64; 3]> = (0..=last)
+            .map(|k| {
+                let (a, b) = match k {
+                    0 => (0.0, step(0)),
+                    _ if k == last => (step(k - 1), 0.0),
+                    _ => (step(k - 1), step(k)),
+                };
+                match (a, b) {
+                    (0.0, h) => [0.0, h / 3.0, h / 6.0],
+                    (h, 0.0) => [h / 6.0, h / 3.0, 0.0],
+                    _ if !even(a, b) => [a / 6.0, (a + b) / 3.0, b / 6.0],
+                    _ => {
+                        let (m1, m2) = ((b * b - a * a) / 6.0, (a.powi(3) + b.powi(3)) / 12.0);
+                        let after = (m2 + a * m1) / (b * (a + b));
+                        let before = (m2 - b * m1) / (a * (a + b));
+                        [before, 0.5 * (a + b) - before - after, after]
+                    }
+                }
+            })
+            .collect();
+        if last > 1 && even(step(0), step(1)) && even(step(last - 1), step(last - 2)) {
+            // the third weight of an end goes by the row beside it
+            let end = |near: f64, next: f64| {
+                let far = near + next;
+                let third = -near.powi(3) / 12.0 / (far * next);
+                let second = near / 6.0 - far * third / near;
+                [0.5 * near - second - third, second, third]
+            };
+            let [own, second, third] = end(step(0), step(1));
+            let part = third / rows[1][2];
+            rows[0] = [0.0, own - part * rows[1][0], second - part * rows[1][1]];
+            let beside = weighted[1];
+            weighted[0].join(-part, beside);
+            let [own, second, third] = end(step(last - 1), step(last - 2));
+            let part = third / rows[last - 1][0];
+            let beside = rows[last - 1];
+            rows[last] = [second - part * beside[1], own - part * beside[2], 0.0];
+            let beside = weighted[last - 1];
+            weighted[last].join(-part, beside);
         }
-        let steps: Vec<f64> = self.levels.windows(2).map(|p| p[1] - p[0]).collect();
-        let count = weighted.len();
-        let step = |k: usize| steps.get(k).copied().unwrap_or(0.0);
-        let before = |k: usize| k.checked_sub(1).map_or(0.0, step);
-        // elimination downwards, then upwards
-        let mut diagonal: Vec<f64> = (0..count).map(|k| (before(k) + step(k)) / 3.0).collect();
-        for k in 1..count {
-            let beside = before(k) / 6.0;
-            let factor = beside / diagonal[k - 1];
-            diagonal[k] -= factor * beside;
+        for k in 1..=last {
+            let factor = rows[k][0] / rows[k - 1][1];
+            rows[k][1] -= factor * rows[k - 1][2];
             let above = weighted[k - 1];
             weighted[k].join(-factor, above);
         }
-        for k in (0..count).rev() {
-            if k + 1 < count {
+        for k in (0..=last).rev() {
+            if k < last {
                 let below = weighted[k + 1];
-                weighted[k].join(-step(k) / 6.0, below);
+                weighted[k].join(-rows[k][2], below);
             }
-            weighted[k].scale(1.0 / diagonal[k]);
+            weighted[k].scale(1.0 / rows[k][1]);
         }
-        let at_place = |place: &f64| {
+        let at = |place: &f64| {
             let mut sum = Resultant::default();
-            for (k, hat) in self.hats(*place) {
-                sum.join(hat, weighted[k]);
+            for (k, part) in self.parabola(*place) {
+                sum.join(part, weighted[k]);
             }
             sum
         };
-        self.places.iter().map(at_place).collect()
+        self.places.iter().map(at).collect()
+    }
+
+    /// Levels with their parts in the parabola through the three around a place, or in the line through two.
+    fn parabola(&self, at: f64) -> Vec<(usize, f64)> {
+        let count = self.levels.len().min(3);
+        let next = self.levels.partition_point(|level| *level <= at);
+        // the nearer of the two that may be the third
+        let far = |k: usize| {
+            self.levels
+                .get(k)
+                .map_or(f64::INFINITY, |level| (level - at).abs())
+        };
+        let before = next >= 2 && far(next - 2) <= far(next + 1);
+        let first = next.saturating_sub(if before { 2 } else { 1 });
+        let first = first.min(self.levels.len() - count);
+        let own = first..first + count;
+        let part = |k: usize| {
+            let others = own.clone().filter(|&i| i != k);
+            let parts = others.map(|i| (at - self.levels[i]) / (self.levels[k] - self.levels[i]));
+            parts.product()
+        };
+        own.clone().map(|k| (k, part(k))).collect()
     }
 }
 
@@ -231,8 +296,8 @@ impl<'s> Sums<'s> {
     }
 
     /// Per unit of length at the places, or those of the whole cut.
-    pub fn linear(self) -> Vec<Resultant> {
-        self.along.linear(self.all)
+    pub fn values(self) -> Vec<Resultant> {
+        self.along.values(self.all)
     }
 
     /// Adds a force at a point, both in the axes of the cut, times a factor.

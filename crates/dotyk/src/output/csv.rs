@@ -158,6 +158,10 @@ pub fn members_csv<const D: usize>(kind: MemberWords, steps: &[Solution<D>]) -> 
 pub const SECTIONS_HEAD: &str =
     "step,section,station,s,x,y,angle,thickness,N,V,M,stress_first,stress_second";
 
+/// The same in space.
+pub const SECTIONS_IN_SPACE: &str =
+    "step,section,station,s,along,x,y,z,angle,thickness,N,V,M,stress_first,stress_second,V2,M2,T";
+
 /// Content of `sections.csv` for the steps of one run (numbered from 1), stations numbered from 1; `None` without sections.
 /// With axial symmetry `hoop_N` and `hoop_M` follow, the forces around the axis, and `utilisation` if a section has a capacity.
 pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> Option<String> {
@@ -168,7 +172,12 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
         .any(|section| section.capacity.is_some());
     let more = if hoop { ",hoop_N,hoop_M" } else { "" };
     let last = if limited { ",utilisation" } else { "" };
-    let mut out = format!("{SECTIONS_HEAD}{more}{last}\n");
+    let start = if D == 3 {
+        SECTIONS_IN_SPACE
+    } else {
+        SECTIONS_HEAD
+    };
+    let mut out = format!("{start}{more}{last}\n");
     let head = out.len();
     for (step, solution) in steps.iter().enumerate() {
         for section in &solution.sections {
@@ -177,10 +186,16 @@ pub fn sections_csv<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> 
                 (step, &section.name),
                 section.known(),
                 |out, station| {
-                    let [x, y] = station.point;
-                    numbers(out, &[station.s, x, y, station.angle(), station.thickness]);
+                    numbers(out, &[station.s]);
+                    let along = station.across.map(|across| across.along);
+                    numbers(out, along.as_slice());
+                    numbers(out, &station.place()[..D]);
+                    numbers(out, &[station.angle(), station.thickness]);
                     numbers(out, &[station.normal, station.shear, station.moment]);
                     numbers(out, &station.edge_stress());
+                    if let Some(own) = station.across {
+                        numbers(out, &[own.shear, own.moment.unwrap_or(f64::NAN), own.twist]);
+                    }
                     numbers(out, station.hoop.as_ref().map_or(&[], |hoop| &hoop[..]));
                     if limited {
                         numbers(out, &[station.utilisation.unwrap_or(f64::NAN)]);

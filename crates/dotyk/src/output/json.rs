@@ -376,6 +376,11 @@ struct SectionEntry<'a> {
     /// Of the middle line.
     length: f64,
     closed: bool,
+    /// In space: the direction of extrusion, and how long it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    axis: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    width: Option<f64>,
     stations: Vec<StationEntry>,
     extremes: BTreeMap<&'static str, ExtremesEntry>,
 }
@@ -384,8 +389,13 @@ struct SectionEntry<'a> {
 struct StationEntry {
     station: usize,
     s: f64,
+    /// In space.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    along: Option<f64>,
     x: f64,
     y: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    z: Option<f64>,
     angle: f64,
     thickness: f64,
     #[serde(rename = "N")]
@@ -396,6 +406,15 @@ struct StationEntry {
     moment: f64,
     stress_first: f64,
     stress_second: f64,
+    /// In space.
+    #[serde(rename = "V2", skip_serializing_if = "Option::is_none")]
+    shear_along: Option<f64>,
+    /// Of whole cuts in space.
+    #[serde(rename = "M2", skip_serializing_if = "Option::is_none")]
+    moment_along: Option<f64>,
+    /// In space.
+    #[serde(rename = "T", skip_serializing_if = "Option::is_none")]
+    twist: Option<f64>,
     /// With axial symmetry.
     #[serde(rename = "hoop_N", skip_serializing_if = "Option::is_none")]
     hoop_normal: Option<f64>,
@@ -417,7 +436,7 @@ struct ExtremeEntry {
     value: f64,
     station: usize,
     s: f64,
-    at: [f64; 2],
+    at: Vec<f64>,
 }
 
 #[derive(Clone, Serialize)]
@@ -518,12 +537,14 @@ fn member_entry<const D: usize>(member: &MemberSolution<D>) -> MemberEntry<'_> {
 fn section_entry(section: &SectionSolution) -> SectionEntry<'_> {
     let stations = section.known().map(|(index, station)| {
         let [stress_first, stress_second] = station.edge_stress();
-        let [x, y] = station.point;
+        let ([x, y, z], across) = (station.place(), station.across);
         StationEntry {
             station: index + 1,
             s: station.s,
+            along: across.map(|own| own.along),
             x,
             y,
+            z: across.map(|_| z),
             angle: station.angle(),
             thickness: station.thickness,
             normal: station.normal,
@@ -531,6 +552,9 @@ fn section_entry(section: &SectionSolution) -> SectionEntry<'_> {
             moment: station.moment,
             stress_first,
             stress_second,
+            shear_along: across.map(|own| own.shear),
+            moment_along: across.and_then(|own| own.moment),
+            twist: across.map(|own| own.twist),
             hoop_normal: station.hoop.map(|[force, _]| force),
             hoop_moment: station.hoop.map(|[_, moment]| moment),
             utilisation: station.utilisation,
@@ -542,7 +566,7 @@ fn section_entry(section: &SectionSolution) -> SectionEntry<'_> {
             value,
             station: index + 1,
             s: station.s,
-            at: station.point,
+            at: station.coordinates(),
         }
     };
     let extremes = SectionQuantity::ALL.into_iter().filter_map(|quantity| {
@@ -555,6 +579,8 @@ fn section_entry(section: &SectionSolution) -> SectionEntry<'_> {
         name: &section.name,
         length: section.length,
         closed: section.closed,
+        axis: section.extrusion.as_ref().map(|own| own.axis),
+        width: section.extrusion.as_ref().map(|own| own.length),
         stations: stations.collect(),
         extremes: extremes.collect(),
     }

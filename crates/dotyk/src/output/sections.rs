@@ -6,9 +6,12 @@ use crate::model::{
     Analysis, Capacity, Model, Section, SectionQuantity, SectionSolution, SideRef, Station,
 };
 use crate::output::Overview;
+use crate::output::colour;
+use crate::output::encode::png;
 use crate::output::html::{column, fitted, left, plain, table_of_vectors, text};
 use crate::output::markup::{Markup, markup};
 use crate::output::plot::{Axis, Frame};
+use crate::output::ranges::{BAR, colour_bar};
 use crate::output::scene::{PHONE, Strand, outline_path, strands, ticks};
 use crate::output::svg::{
     Anchor, INK, MUTED, Pixel, SERIES, SIGNS, Svg, Type, segments, text_width,
@@ -46,9 +49,28 @@ fn curves(labels: &Labels) -> [Curve; 3] {
     ]
 }
 
-/// Curves of hoop forces and of the utilisation, if present.
+/// Curves of forces in space, of hoop forces and of the utilisation, if present.
 fn more_curves(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
     let mut more = Vec::new();
+    if section.extrusion.is_some() {
+        more.push(Curve {
+            name: "V2",
+            unit: labels.per_length.clone(),
+            value: |s| SectionQuantity::AxialShear.at(s),
+        });
+        if section.places() == 1 {
+            more.push(Curve {
+                name: "M2",
+                unit: labels.moment_per_length.clone(),
+                value: |s| SectionQuantity::AxialMoment.at(s),
+            });
+        }
+        more.push(Curve {
+            name: "T",
+            unit: labels.moment_per_length.clone(),
+            value: |s| SectionQuantity::Twist.at(s),
+        });
+    }
     if section.stations.iter().any(|s| s.hoop.is_some()) {
         more.push(Curve {
             name: "hoop N",
@@ -83,13 +105,22 @@ pub fn sections_section<const D: usize>(run: &Overview<'_, D>, labels: &Labels) 
     }
     let per = match run.model.analysis {
         Analysis::Axisymmetric => "circumference at the middle of the cut",
+        Analysis::Solid => "length along the axis of extrusion",
         _ => "thickness",
+    };
+    let more = match run.model.analysis {
+        Analysis::Solid => {
+            " V2 is positive where it pushes the part ahead along the axis, M2 with tension at the end to which the axis points; T \
+             turns the part behind right-handed about s."
+        }
+        _ => "",
     };
     let head = markup!(
         "<h2>Section forces</h2>\n<p>By equilibrium of the parts that each cut divides, about the middle of the cut, per unit of {}. \
          N is positive in tension; M is positive with tension on the first side; V is positive where it pushes the part ahead \
-         towards the first side, which lies on the left of s.</p>\n",
-        per
+         towards the first side, which lies on the left of s.{}</p>\n",
+        per,
+        more
     );
     match several {
         true => head + all_sections(run, labels) + parts,
@@ -106,9 +137,9 @@ fn all_sections<const D: usize>(run: &Overview<'_, D>, labels: &Labels) -> Marku
             .sections
             .iter()
             .find(|asked| asked.name == own.name)?;
-        Some(Drawn::of(run.model, asked, own))
+        Some(Drawn::of(run.model, asked, own.mean().into_owned()))
     });
-    let Some(drawn) = drawn.collect::<Option<Vec<Drawn<'_>>>>() else {
+    let Some(drawn) = drawn.collect::<Option<Vec<Drawn>>>() else {
         return Markup::default();
     };
     let draw = |width| on_geometry(&drawn, "sections", labels, width);
@@ -139,9 +170,11 @@ fn one_section<const D: usize>(
         Some((step + 1, sections.find(|s| s.name == asked.name)?))
     });
     let (numbers, steps): (Vec<usize>, Vec<&SectionSolution>) = there.unzip();
-    let Some(&last) = steps.last() else {
+    let Some(&told) = steps.last() else {
         return Markup::default();
     };
+    let mean = told.mean();
+    let last = &*mean;
     let mut out = markup!("<h3>{}</h3>\n", asked.name);
     let bodies = asked.bodies.iter();
     let bodies: Vec<&str> = bodies.map(|b| &run.model.bodies[b.0].name[..]).collect();
@@ -149,8 +182,20 @@ fn one_section<const D: usize>(
         .sides
         .each_ref()
         .map(|sides| long_side(run.model, asked, sides));
+    let extruded = told.extrusion.as_ref().map_or(String::new(), |own| {
+        let means = if own.places > 1 {
+            "; means along it"
+        } else {
+            ""
+        };
+        format!(
+            " Extruded along {} by {}{means}.",
+            vector(&own.axis, ""),
+            quantity(own.length, &labels.length)
+        )
+    });
     let between = format!(
-        "{} between {} (first) and {}, {} stations, length of the middle line {}.",
+        "{} between {} (first) and {}, {} stations, length of the middle line {}.{extruded}",
         bodies.join(", "),
         first,
         second,
@@ -162,7 +207,7 @@ fn one_section<const D: usize>(
     } else {
         ""
     };
-    match Drawn::of(run.model, asked, last) {
+    match Drawn::of(run.model, asked, last.clone()) {
         Some(drawn) if !among_others => {
             let id = format!("section{index}");
             let draw = |width| on_geometry(std::slice::from_ref(&drawn), &id, labels, width);
@@ -171,15 +216,31 @@ fn one_section<const D: usize>(
         }
         _ => out += markup!("<p>{}</p>\n", between),
     }
-    let along = match steps.len() {
-        1 => "Along the middle line; s counts from the first station.".to_string(),
-        n => format!(
-            "Along the middle line. Line: the last load step; shaded: between the least and the largest value of all {} steps.",
-            count(n)
+    let along = match (steps.len(), told.places()) {
+        (1, 1) => "Along the middle line; s counts from the first station.".to_string(),
+        (1, places) => format!(
+            "Along the middle line. Line: the mean along the axis; shaded: between the least and the largest value at {} places.",
+            count(places)
+        ),
+        (n, places) => format!(
+            "Along the middle line. Line: the last load step; shaded: between the least and the largest value of all {} steps{}.",
+            count(n),
+            if places > 1 {
+                " and places along the axis"
+            } else {
+                ""
+            }
         ),
     };
-    let draw = |width| over_s(&steps, index, labels, width);
+    let draw = |width| over_s((last, &steps), index, labels, width);
     out += fitted(&draw, "Section forces over s", &along);
+    if told.places() > 1 {
+        let draw = |width| maps(told, index, labels, width);
+        let caption = format!(
+            "Unrolled: s to the right, the axis upwards, from the end of the bodies where it begins.{several}"
+        );
+        out += fitted(&draw, "Section forces along the axis", &caption);
+    }
     if let Some(capacity) = &asked.capacity {
         let draw = |width| interaction(capacity, &steps, index, labels, width);
         let caption = limit_in_words(capacity, steps.len() > 1, labels);
@@ -200,11 +261,16 @@ fn long_side<const D: usize>(model: &Model<D>, asked: &Section<D>, sides: &[Side
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// Stations in the order of s.
-fn sorted(section: &SectionSolution) -> Vec<&Station> {
-    let mut stations: Vec<&Station> = section.stations.iter().collect();
-    stations.sort_by(|a, b| a.s.total_cmp(&b.s));
-    stations
+/// Stations in the order of s, those of each place along the axis.
+fn rows(section: &SectionSolution) -> Vec<Vec<&Station>> {
+    let count = section.stations.len() / section.places();
+    let places = section.stations.chunks(count.max(1));
+    let sorted = places.map(|stations| {
+        let mut stations: Vec<&Station> = stations.iter().collect();
+        stations.sort_by(|a, b| a.s.total_cmp(&b.s));
+        stations
+    });
+    sorted.collect()
 }
 
 /// Sets values to zero that are rounding relative to the others: moments relative to forces times the thickness.
@@ -226,7 +292,8 @@ fn quiet(
         .map(|s| s.thickness)
         .fold(0.0, f64::max);
     let scale = match name {
-        "M" | "hoop M" => force * thickness,
+        "M" | "hoop M" | "T" => force * thickness,
+        "M2" => force * section.extrusion.as_ref().map_or(0.0, |own| own.length),
         "utilisation" => 0.0,
         _ => force,
     };
@@ -234,37 +301,37 @@ fn quiet(
 }
 
 /// A section with the outlines of its bodies.
-struct Drawn<'a> {
-    solution: &'a SectionSolution,
-    stations: Vec<&'a Station>,
+struct Drawn {
+    solution: SectionSolution,
     /// The outline of each body, with its nodes.
-    outlines: Vec<(Vec<Strand>, &'a [Point<2>])>,
+    outlines: Vec<(Vec<Strand>, Vec<Point<2>>)>,
 }
 
-impl<'a> Drawn<'a> {
-    /// `None` in space.
+impl Drawn {
+    /// `None` where its bodies have no profile.
     fn of<const D: usize>(
-        model: &'a Model<D>,
+        model: &Model<D>,
         asked: &Section<D>,
-        solution: &'a SectionSolution,
+        mut solution: SectionSolution,
     ) -> Option<Self> {
-        let outlines = asked.bodies.iter().map(|body| {
-            let mesh = model.bodies[body.0].mesh.in_plane()?;
-            Some((strands(mesh, &mesh.boundary_facets()), mesh.points()))
+        solution.stations.sort_by(|a, b| a.s.total_cmp(&b.s));
+        let profiles = asked.profiles(&model.bodies).ok()?;
+        let outlines = profiles.iter().map(|mesh| {
+            let outline = strands(mesh, &mesh.boundary_facets());
+            (outline, mesh.points().to_vec())
         });
         Some(Self {
+            outlines: outlines.collect(),
             solution,
-            stations: sorted(solution),
-            outlines: outlines.collect::<Option<_>>()?,
         })
     }
 }
 
 /// The three diagrams on the outlines of the bodies; beside each other, or one above the other where the bodies are long and on a
 /// phone.
-fn on_geometry(drawn: &[Drawn<'_>], id: &str, labels: &Labels, width: f64) -> Markup {
+fn on_geometry(drawn: &[Drawn], id: &str, labels: &Labels, width: f64) -> Markup {
     let outlines = drawn.iter().flat_map(|own| &own.outlines);
-    let points = outlines.flat_map(|(_, points)| *points).copied();
+    let points = outlines.flat_map(|(_, points)| points).copied();
     let bounds = bounding_box(&points.collect::<Vec<_>>());
     let size = sub(bounds.1, bounds.0);
     let below = size[0] > 1.8 * size[1] || width <= PHONE;
@@ -307,16 +374,16 @@ fn on_geometry(drawn: &[Drawn<'_>], id: &str, labels: &Labels, width: f64) -> Ma
 }
 
 /// One quantity of all sections, `reach` pixels for its largest value, with its extremes.
-fn diagrams(svg: &mut Svg, view: &View, drawn: &[Drawn<'_>], curve: &Curve, reach: f64) {
+fn diagrams(svg: &mut Svg, view: &View, drawn: &[Drawn], curve: &Curve, reach: f64) {
     for own in drawn {
         for (outline, points) in &own.outlines {
             let body = outline_path(outline, &|node| view.pixel(points[node]));
             svg.path(&body, "#9aa5b0", 0.8, "#eef1f4", "fill-rule=\"evenodd\"");
         }
     }
-    let values = |own: &Drawn<'_>| -> Vec<f64> {
-        let value = quiet(own.solution, curve.value, curve.name);
-        own.stations.iter().map(|station| value(station)).collect()
+    let values = |own: &Drawn| -> Vec<f64> {
+        let value = quiet(&own.solution, curve.value, curve.name);
+        own.solution.stations.iter().map(value).collect()
     };
     let values: Vec<Vec<f64>> = drawn.iter().map(values).collect();
     let finite = values.iter().flatten().filter(|v| v.is_finite());
@@ -324,8 +391,8 @@ fn diagrams(svg: &mut Svg, view: &View, drawn: &[Drawn<'_>], curve: &Curve, reac
     let scale = if largest > 0.0 { reach / largest } else { 0.0 };
     let mut ends: Vec<(f64, &Station)> = Vec::new();
     for (own, values) in drawn.iter().zip(&values) {
-        diagram(svg, view, &own.stations, values, scale);
-        let known = values.iter().copied().zip(own.stations.iter().copied());
+        diagram(svg, view, &own.solution.stations, values, scale);
+        let known = values.iter().copied().zip(&own.solution.stations);
         ends.extend(known.filter(|(value, _)| value.is_finite()));
     }
     let most = ends.iter().rev().max_by(|a, b| a.0.total_cmp(&b.0));
@@ -345,7 +412,7 @@ fn tip(view: &View, station: &Station, length: f64) -> Pixel {
 }
 
 /// One diagram from the middle line.
-fn diagram(svg: &mut Svg, view: &View, stations: &[&Station], values: &[f64], scale: f64) {
+fn diagram(svg: &mut Svg, view: &View, stations: &[Station], values: &[f64], scale: f64) {
     let base: Vec<Pixel> = stations.iter().map(|s| view.pixel(s.point)).collect();
     let tips = stations.iter().zip(values);
     let tips: Vec<Pixel> = tips.map(|(s, value)| tip(view, s, scale * value)).collect();
@@ -407,11 +474,13 @@ fn mark(svg: &mut Svg, view: &View, (value, station): (f64, &Station), scale: f6
     svg.text(place, &label, style);
 }
 
-/// Plots over s, one above the other, with the envelope of the steps behind the last one.
-fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels, width: f64) -> Markup {
-    let Some(&last) = steps.last() else {
-        return Markup::default();
-    };
+/// Plots over s, one above the other, with the envelope of the steps and places behind the last means.
+fn over_s(
+    (last, steps): (&SectionSolution, &[&SectionSolution]),
+    index: usize,
+    labels: &Labels,
+    width: f64,
+) -> Markup {
     let mut all: Vec<Curve> = curves(labels).into();
     all.extend(more_curves(last, labels));
     let (high, foot) = (128.0, 44.0);
@@ -422,14 +491,17 @@ fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels, width: f64)
         width,
         height,
     );
-    let order = sorted(last);
+    let order: Vec<&Station> = rows(last).concat();
     let ways: Vec<f64> = order.iter().map(|s| s.s).collect();
     for (k, curve) in all.iter().enumerate() {
-        let of = |section: &SectionSolution| -> Vec<f64> {
+        let of = |section: &SectionSolution| -> Vec<Vec<f64>> {
             let value = quiet(section, curve.value, curve.name);
-            sorted(section).iter().map(|s| value(s)).collect()
+            let row = |row: &Vec<&Station>| row.iter().map(|s| value(s)).collect();
+            rows(section).iter().map(row).collect()
         };
-        let values: Vec<Vec<f64>> = steps.iter().map(|step| of(step)).collect();
+        let mut values: Vec<Vec<f64>> = steps.iter().flat_map(|step| of(step)).collect();
+        let envelope = values.len() > 1;
+        values.extend(of(last));
         let now = &values[values.len() - 1];
         let bound = |choose: fn(f64, f64) -> f64| -> Vec<f64> {
             (0..now.len())
@@ -454,7 +526,7 @@ fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels, width: f64)
             x: Axis::linear("s", &labels.length, &ways, false, ticks(width)).roomy(),
             y: Axis::linear(curve.name, &curve.unit, &shown, true, 4).widened(0.12),
         };
-        if steps.len() > 1 {
+        if envelope {
             let upper = ways.iter().zip(&most).map(|(&s, &v)| frame.at(s, v));
             let lower = ways.iter().zip(&least).map(|(&s, &v)| frame.at(s, v));
             let around: Vec<Pixel> = upper.chain(lower.rev()).collect();
@@ -474,7 +546,7 @@ fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels, width: f64)
                 let hint = format!(
                     "s = {}, {}: {} = {}",
                     number(p[0]),
-                    vector(&station.point, ""),
+                    vector(&station.coordinates(), ""),
                     curve.name,
                     number(p[1])
                 );
@@ -519,6 +591,89 @@ fn over_s(steps: &[&SectionSolution], index: usize, labels: &Labels, width: f64)
         }
     }
     svg.finish()
+}
+
+/// Most pixels of a map.
+const PIXELS: [usize; 2] = [240, 80];
+
+/// Colours of N, V, M and the others over s and along the axis, one above the other.
+fn maps(section: &SectionSolution, index: usize, labels: &Labels, width: f64) -> Markup {
+    let Some(extrusion) = &section.extrusion else {
+        return Markup::default();
+    };
+    let mut all: Vec<Curve> = curves(labels).into();
+    all.extend(more_curves(section, labels));
+    let (high, foot) = (110.0, 44.0);
+    let height = all.len() as f64 * (high + 26.0) + foot;
+    let mut svg = Svg::new(
+        &format!("section{index}-along"),
+        "Section forces along the axis",
+        width,
+        height,
+    );
+    let rows = rows(section);
+    let ways: Vec<f64> = rows[0].iter().map(|s| s.s).collect();
+    let places = [0.0, extrusion.length];
+    for (k, curve) in all.iter().enumerate() {
+        let value = quiet(section, curve.value, curve.name);
+        let values: Vec<Vec<f64>> = rows
+            .iter()
+            .map(|row| row.iter().map(|s| value(s)).collect())
+            .collect();
+        let axis = Axis::linear(curve.name, &curve.unit, &values.concat(), false, 4);
+        let top = 22.0 + k as f64 * (high + 26.0);
+        let frame = Frame {
+            corner: [72.0, top],
+            size: [width - 84.0 - BAR, high],
+            x: Axis::linear("s", &labels.length, &ways, false, ticks(width)).roomy(),
+            y: Axis::linear("along", &labels.length, &places, false, 3),
+        };
+        frame.draw(&mut svg, k + 1 == all.len());
+        let (first, last) = (ways[0], ways[ways.len() - 1]);
+        let corner = frame.at(first, extrusion.length);
+        let end = frame.at(last, 0.0);
+        let picture = raster(&ways, &values, &axis);
+        svg.picture(corner, [end[0] - corner[0], end[1] - corner[1]], &picture);
+        let left = width - BAR + 4.0;
+        let style = Type::SMALL.anchored(Anchor::Start).bold();
+        svg.text([left, top - 8.0], &axis.label, style);
+        colour_bar(&mut svg, [left, top], high, &axis, false);
+    }
+    svg.finish()
+}
+
+/// A picture of values between stations and between places, the last place on top.
+fn raster(ways: &[f64], values: &[Vec<f64>], axis: &Axis) -> Vec<u8> {
+    let [across, up] = PIXELS;
+    let (first, last) = (ways[0], ways[ways.len() - 1]);
+    let mut indices = Vec::with_capacity(across * up);
+    for j in 0..up {
+        let place = (1.0 - (j as f64 + 0.5) / up as f64) * (values.len() - 1) as f64;
+        let below = (place as usize).min(values.len() - 2);
+        let part = place - below as f64;
+        for i in 0..across {
+            let s = first + (i as f64 + 0.5) / across as f64 * (last - first);
+            let next = ways
+                .partition_point(|way| *way <= s)
+                .clamp(1, (ways.len() - 1).max(1));
+            let before = next - 1;
+            let next = next.min(ways.len() - 1);
+            let step = ways[next] - ways[before];
+            let ahead = if step > 0.0 {
+                (s - ways[before]) / step
+            } else {
+                0.0
+            };
+            let along = |row: &[f64]| row[before] + ahead * (row[next] - row[before]);
+            let value = (1.0 - part) * along(&values[below]) + part * along(&values[below + 1]);
+            // 0 is transparent: nothing is there
+            let shown = value
+                .is_finite()
+                .then(|| colour::index(axis.fraction(value)));
+            indices.push(shown.unwrap_or(0));
+        }
+    }
+    png(across, up, &indices, &colour::palette())
 }
 
 /// The limit curves of the thinnest and the thickest cut, and the forces of all stations and steps.
@@ -614,7 +769,7 @@ fn interaction(
                 "N = {}, M = {} at {}{used}",
                 number(station.normal),
                 number(station.moment),
-                vector(&station.point, "")
+                vector(&station.coordinates(), "")
             );
             svg.circle(
                 frame.at(station.normal, station.moment),
@@ -688,7 +843,7 @@ fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) 
             row.extend([
                 plain(count(station + 1)),
                 plain(number(place.s)),
-                plain(vector(&place.point, "")),
+                plain(vector(&place.coordinates(), "")),
             ]);
             row.extend(
                 curves(labels)

@@ -292,7 +292,7 @@ impl Quantity {
         let parts = match (body, among(contacts), among(sections), member) {
             (Some(body), ..) => of_body(&words, body, &bodies[body])?,
             (_, Some(contact), ..) => of_contact::<D>(&words, contact)?,
-            (.., Some(section), _) => of_section(&words, section)?,
+            (.., Some(section), _) => of_section::<D>(&words, section)?,
             (.., Some(member)) => of_member(&words, member, &members[member].kind)?,
             (None, None, None, None) => {
                 let bodies = bodies.iter().map(|body| body.name.as_str());
@@ -451,10 +451,10 @@ impl Quantity {
         matches!(self.parts, Parts::Member(_))
     }
 
-    /// The section whose utilisation it is.
-    pub fn utilised_section(&self) -> Option<usize> {
+    /// The section whose force it is.
+    pub fn of_section(&self) -> Option<(usize, SectionQuantity)> {
         match self.parts {
-            Parts::Section(section, SectionQuantity::Utilisation) => Some(section),
+            Parts::Section(section, quantity) => Some((section, quantity)),
             _ => None,
         }
     }
@@ -687,8 +687,10 @@ fn of_contact<const D: usize>(words: &Words<'_>, contact: usize) -> Result<Parts
     }
 }
 
-fn of_section(words: &Words<'_>, section: usize) -> Result<Parts, QuantityError> {
-    let known = SectionQuantity::ALL.map(|quantity| (quantity.name(), quantity));
+fn of_section<const D: usize>(words: &Words<'_>, section: usize) -> Result<Parts, QuantityError> {
+    let known = SectionQuantity::ALL.into_iter();
+    let known = known.filter(|quantity| D == 3 || !quantity.is_across());
+    let known: Vec<_> = known.map(|quantity| (quantity.name(), quantity)).collect();
     match words.0[1..] {
         [] => Err(words.incomplete(names(&known))),
         [_] => {

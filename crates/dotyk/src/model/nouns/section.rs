@@ -20,7 +20,7 @@
 //!   N = F·t/L     V = −F·e/L     V2 = −F·a/L     M = −m·a/L     M2 = m·e/L     T = m·t/L
 //! ```
 //!
-//! or their distribution along it, n(z), v(z), .. at some places between which they are linear, moments about the middle line there.
+//! or their distribution along it, n(z), v(z), .. at some places, moments about the middle line there.
 //! V2 > 0 pushes the part ahead along the axis, M2 > 0 is tension at its end, T > 0 turns the part behind about s.
 
 use crate::geometry::Point;
@@ -28,6 +28,7 @@ use crate::mesh::{ExtrudedError, StripError};
 use crate::model::nouns::capacity::Capacity;
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::ids::{BodyId, SideRef};
+use std::borrow::Cow;
 
 /// One or several bodies with the cuts at which their section forces are found.
 #[derive(Debug, Clone, PartialEq)]
@@ -187,6 +188,14 @@ impl Station {
         self.across.map_or([x, y, 0.0], |across| across.point)
     }
 
+    /// The coordinates of the middle of the cut, two in the plane, three in space.
+    pub fn coordinates(&self) -> Vec<f64> {
+        match self.across {
+            Some(across) => across.point.to_vec(),
+            None => self.point.to_vec(),
+        }
+    }
+
     /// Direction of s in degrees from +x, in (−180, 180].
     pub fn angle(&self) -> f64 {
         let [x, y] = self.toward_first;
@@ -248,6 +257,11 @@ impl SectionQuantity {
         }
     }
 
+    /// It is one of those in space alone.
+    pub fn is_across(self) -> bool {
+        matches!(self, Self::AxialShear | Self::AxialMoment | Self::Twist)
+    }
+
     /// Its dimension.
     pub fn dimension(self) -> Dimension {
         match self {
@@ -277,6 +291,65 @@ impl SectionSolution {
     pub fn known(&self) -> impl Iterator<Item = (usize, &Station)> {
         let all = self.stations.iter().enumerate();
         all.filter(|(_, station)| !station.normal.is_nan())
+    }
+
+    /// Number of places along the axis.
+    pub fn places(&self) -> usize {
+        self.extrusion.as_ref().map_or(1, |own| own.places)
+    }
+
+    /// The part of the length along the axis that belongs to a place: the trapezoidal rule.
+    pub fn share(&self, place: usize) -> f64 {
+        match self.places() {
+            1 => 1.0,
+            places if place == 0 || place + 1 == places => 0.5 / (places - 1) as f64,
+            places => 1.0 / (places - 1) as f64,
+        }
+    }
+
+    /// Its means along the axis, with the largest utilisation; itself where they are told already.
+    pub fn mean(&self) -> Cow<'_, Self> {
+        let places = self.places();
+        if places == 1 {
+            return Cow::Borrowed(self);
+        }
+        let count = self.stations.len() / places;
+        let station = |k: usize| {
+            let own = |place: usize| &self.stations[place * count + k];
+            let mean = |value: &dyn Fn(&Station) -> f64| -> f64 {
+                (0..places).map(|p| self.share(p) * value(own(p))).sum()
+            };
+            let of_across =
+                |value: fn(&Across) -> f64| mean(&|s| s.across.as_ref().map_or(f64::NAN, value));
+            let used = (0..places).filter_map(|p| own(p).utilisation);
+            let across = own(0).across.map(|first| Across {
+                point: std::array::from_fn(|i| {
+                    mean(&|s| s.across.map_or(f64::NAN, |a| a.point[i]))
+                }),
+                along: of_across(|a| a.along),
+                shear: of_across(|a| a.shear),
+                twist: of_across(|a| a.twist),
+                ..first
+            });
+            Station {
+                normal: mean(&|s| s.normal),
+                shear: mean(&|s| s.shear),
+                moment: mean(&|s| s.moment),
+                across,
+                utilisation: used.reduce(f64::max),
+                ..*own(0)
+            }
+        };
+        let extrusion = self.extrusion.as_ref();
+        Cow::Owned(Self {
+            extrusion: extrusion.map(|own| Extrusion {
+                places: 1,
+                ..own.clone()
+            }),
+            stations: (0..count).map(station).collect(),
+            name: self.name.clone(),
+            ..*self
+        })
     }
 
     /// Station (from zero) and value of the smallest and the largest; `None` without values.

@@ -330,21 +330,23 @@ fn along_section<const D: usize>(
     quantity: SectionQuantity,
     (reading, factor): (Reading<D>, Factor<'_, D>),
 ) -> Read<D> {
-    let place = |point: [f64; 2]| -> Point<D> { std::array::from_fn(|i| point[i.min(1)]) };
     let stations = &section.stations;
-    // the trapezoidal rule between stations that are there
+    // the trapezoidal rule between stations that are there, at each place along the axis with its part of the length
+    let count = (stations.len() / section.places()).max(1);
     let share = |k: usize| {
         let to = |other: usize| {
-            let there = stations.get(other).filter(|other| !other.normal.is_nan());
+            let row = stations.get(other).filter(|_| other / count == k / count);
+            let there = row.filter(|other| !other.normal.is_nan());
             there.map_or(stations[k].s, |other| other.s)
         };
         let before = stations[k].s - to(k.wrapping_sub(1));
         let after = to(k + 1) - stations[k].s;
-        0.5 * (before.max(0.0) + after.max(0.0))
+        section.share(k / count) * 0.5 * (before.max(0.0) + after.max(0.0))
     };
     let all = stations.iter().enumerate();
     let all = all.map(|(k, at)| {
-        let point = place(at.point);
+        let place = at.place();
+        let point = std::array::from_fn(|i| place[i]);
         (point, share(k), quantity.at(at) * factor(point))
     });
     at_stations(all, reading)

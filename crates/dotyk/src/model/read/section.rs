@@ -70,6 +70,18 @@ impl<const D: usize> Section<D> {
         self.cuts(bodies, &[]).map(|_| ())
     }
 
+    /// The profiles of its bodies in the plane of its cuts; in the plane these are the bodies themselves.
+    ///
+    /// Errors: bodies in space that are not extruded.
+    pub fn profiles<'m>(
+        &self,
+        bodies: &'m [Body<D>],
+    ) -> Result<Vec<Cow<'m, Mesh<2>>>, SectionError> {
+        let axes = self.reach(bodies, &[])?.axes;
+        let own = self.bodies.iter().map(|body| &*bodies[body.0].mesh);
+        own.map(|mesh| Ok(in_plane(mesh, &axes)?)).collect()
+    }
+
     fn cuts(&self, bodies: &[Body<D>], absent: &[Absent<D>]) -> Result<Lines<D>, SectionError> {
         let own: BTreeSet<usize> = self.bodies.iter().map(|body| body.0).collect();
         if own.is_empty() || own.len() < self.bodies.len() {
@@ -83,10 +95,7 @@ impl<const D: usize> Section<D> {
         let present = self.bodies.iter().map(|body| &*bodies[body.0].mesh);
         let all: Vec<&Mesh<D>> = present.chain(absent.iter().map(|a| &*a.mesh)).collect();
         let reach = self.reach(bodies, absent)?;
-        let profiles = all.iter().map(|mesh| match mesh.in_plane() {
-            Some(plane) => Ok(Cow::Borrowed(plane)),
-            None => profile(mesh, &reach.axes).map(Cow::Owned),
-        });
+        let profiles = all.iter().map(|mesh| in_plane(mesh, &reach.axes));
         let profiles: Vec<Cow<'_, Mesh<2>>> = profiles.collect::<Result<_, _>>()?;
         let meshes: Vec<&Mesh<2>> = profiles.iter().map(|profile| &**profile).collect();
         let line = |k: usize| -> Result<Vec<(&Mesh<2>, &str)>, SectionError> {
@@ -214,6 +223,17 @@ impl<const D: usize> Section<D> {
             },
             ends: Some(ends),
         })
+    }
+}
+
+/// A mesh of the plane, or the profile of one in space.
+fn in_plane<'m, const D: usize>(
+    mesh: &'m Mesh<D>,
+    axes: &Axes<D>,
+) -> Result<Cow<'m, Mesh<2>>, ExtrudedError> {
+    match mesh.in_plane() {
+        Some(plane) => Ok(Cow::Borrowed(plane)),
+        None => profile(mesh, axes).map(Cow::Owned),
     }
 }
 
@@ -611,7 +631,7 @@ pub(crate) fn section_forces<const D: usize>(
             let hoop = laid.hoops.get(k).map(|places| hoop_forces(places, bodies));
             let hoop = hoop.map(|hoop| hoop.map(|own| if there { own } else { f64::NAN }));
             let nowhere = Resultant::nowhere();
-            let resultants = sum.map_or(vec![nowhere; stations.len()], Sums::linear);
+            let resultants = sum.map_or(vec![nowhere; stations.len()], Sums::values);
             for (place, (own, resultant)) in stations.iter_mut().zip(resultants).enumerate() {
                 let mut station = reach.station(cut, place, resultant, width(cut));
                 station.hoop = hoop;
