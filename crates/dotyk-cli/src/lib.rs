@@ -21,6 +21,7 @@ mod export;
 mod failure;
 mod given;
 mod import;
+mod kept;
 mod keys;
 mod progress;
 mod run;

@@ -3,6 +3,7 @@
 use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::given::{Given, Input, located};
+use crate::kept::Kept;
 use crate::progress::Progress;
 use crate::text::{columns, named, number, print, vector};
 use dotyk::model::{
@@ -34,6 +35,10 @@ pub struct Arguments {
     /// Go on behind the steps of an earlier run of the case, from its output folder
     #[arg(long, value_name = "DIR")]
     from: Option<PathBuf>,
+    /// Write finished steps into DIR.unfinished after this time at most, from which a killed run goes on with --from [default: 20
+    /// times what writing them takes]
+    #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_negative_numbers = true)]
+    keep_every: Option<f64>,
     /// Number of threads [default: all]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
@@ -58,6 +63,7 @@ impl Arguments {
             rho: None,
             out: Some(out),
             from: None,
+            keep_every: None,
             threads: None,
             quiet: true,
             json: false,
@@ -78,6 +84,14 @@ pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
         _ => Err("expected a positive number".to_string()),
+    }
+}
+
+/// A finite number of seconds ≥ 0, at most a century.
+fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if (0.0..=3.2e9).contains(&value) => Ok(value),
+        _ => Err("expected a number of seconds, at least 0".to_string()),
     }
 }
 
@@ -149,10 +163,21 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
         let past = past.map_err(|e| Failure::Message(e.to_string()))?;
         let folder = Folder::hold(&folder).map_err(Failure::of_output)?;
 
+        let past = past.unwrap_or_default();
+        let kept = Kept::beside(folder.path(), past.len(), arguments.keep_every);
+        kept.tell(arguments.from.as_deref());
+        let all = case.model.times.len();
+        let keep = |steps: &[Solution<_>]| {
+            if steps.len() < all {
+                let record = output::Record::of(&case.model, steps, &case.stem);
+                kept.after(steps.len(), |folder| {
+                    record.write_unfinished(folder).map(drop)
+                });
+            }
+        };
         let mut progress = Progress::new(arguments.quiet);
-        let mut run = case.run(&past.unwrap_or_default(), &mut |event| {
-            progress.observe(event)
-        });
+        let mut observe = |event| progress.observe(event);
+        let mut run = case.run_keeping(&past, &mut observe, &keep);
         progress.finish();
         let mut beside = Vec::new();
         if let Some(deck) = &deck {
@@ -188,6 +213,7 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
         };
         if steps.last().is_some_and(|last| last.converged) {
             let written = record.write(&folder).map_err(Failure::of_output)?;
+            kept.remove();
             if let Some(apart) = &arguments.apart {
                 put_apart(apart, &beside)?;
             }

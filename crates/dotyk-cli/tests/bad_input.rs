@@ -496,6 +496,30 @@ quantity = "cut.M"
 reduce = "max"
 "#;
 
+const SECTION_IN_SPACE: &str = r#"
+[[section]]
+name = "cut"
+body = "block"
+sides = ["front", "back"]
+axis = [0, 0, 1]
+stations = [[2, 1, 0.5], [3, 1, 0.5]]
+places = 3
+"#;
+
+#[rustfmt::skip]
+const IN_A_SECTION_IN_SPACE: &[Mistake] = &[
+    ("axis = [0, 0, 1]\nstations", "stations", "sides = [\"front\"", "`axis` tells that of extrusion"),
+    ("axis = [0, 0, 1]\nstations", "axis = [0, 0, 0]\nstations", "axis = [0, 0, 0]", "is zero"),
+    ("axis = [0, 0, 1]\nstations", "axis = [0, 1, 0]\nstations", "axis = [0, 1, 0]", "do not run along its `axis`"),
+    ("axis = [0, 0, 1]\nstations", "axis = [0, 1]\nstations", "axis = [0, 1]", "expected 3 numbers"),
+    ("sides = [\"front\", \"back\"]\naxis", "sides = [\"front\", \"left\"]\naxis", "sides = [\"front\", \"left\"]", "meet"),
+    ("[2, 1, 0.5]", "[2, 1]", "[2, 1]", "expected 3 numbers"),
+    ("[3, 1, 0.5]", "[5, 1, 0.5]", "[5, 1, 0.5]", "lies beside the body"),
+    ("places = 3", "places = 0", "places = 0", "positive integer"),
+    ("places = 3", "places = 1001", "places = 1001", "at most 1000"),
+    ("places = 3", "places = [3]", "places = [3]", "positive integer"),
+];
+
 #[rustfmt::skip]
 const IN_A_SECTION: &[Mistake] = &[
     ("body = \"wall\"\nsides = [\"left\"", "body = \"wal\"\nsides = [\"left\"", "\"wal\"", "`wall`"),
@@ -505,6 +529,8 @@ const IN_A_SECTION: &[Mistake] = &[
     ("sides = [\"left\", \"right\"]", "sides = [\"left\", \"top\"]", "sides = [\"left\", \"top\"]", "meet"),
     ("sides = [\"left\", \"right\"]", "sides = [\"bottom\", \"top\"]", "sides = [\"bottom\", \"top\"]", "not long ones"),
     ("sides = [\"left\", \"right\"]", "sides = [[\"left\", \"left\"], \"right\"]", "sides = [[", "listed twice"),
+    ("stations = 7", "stations = 7\nplaces = 3", "places = 3", "those of sections in space"),
+    ("stations = 7", "stations = 7\naxis = [0, 1]", "axis = [0, 1]", "those of sections in space"),
     ("stations = 7", "stations = 1", "stations = 1", "2 to 10000"),
     ("stations = 7", "stations = 0", "stations = 0", "positive integer"),
     ("stations = 7", "stations = []", "stations = []", "empty"),
@@ -593,14 +619,11 @@ fn every_mistake_in_a_section_is_underlined_on_its_line() {
     std::fs::write(folder.join("good.toml"), GOOD_SECTION).unwrap();
     let output = dotyk(&folder, &["run", "good.toml", "--quiet"]);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let space = format!("{GOOD_IN_SPACE}\n[[section]]\nname = \"cut\"\n");
-    std::fs::write(folder.join("bad.toml"), &space).unwrap();
-    let message = refused(&dotyk(&folder, &["run", "bad.toml"]), "space");
-    let line = format!("bad.toml, line {}, column ", line_of(&space, "[[section]]"));
-    assert!(
-        message.contains(&line) && message.contains("not supported yet"),
-        "{message}"
-    );
+    let head = format!("{GOOD_IN_SPACE}\n{SECTION_IN_SPACE}");
+    each_is_underlined(&folder, &head, IN_A_SECTION_IN_SPACE);
+    std::fs::write(folder.join("good.toml"), &head).unwrap();
+    let output = dotyk(&folder, &["run", "good.toml", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
 }
 
 #[track_caller]

@@ -194,6 +194,139 @@ fn a_first_run_that_is_told_to_end_leaves_nothing() {
     assert_eq!(names(&folder), ["old.toml".to_string()].into());
 }
 
+/// The block dragged by friction in twenty steps.
+fn dragged() -> String {
+    let text = punch("old", 1e5, 40);
+    let (head, _) = text.split_once("[[step]]").unwrap();
+    let head = head
+        .replace(
+            "mortar = \"block.top\"",
+            "mortar = \"block.top\"\nfriction = 0.3",
+        )
+        .replace(
+            "fix = [{ side = \"left\", x = 0 }, { side = \"right\", x = 0 }]\n",
+            "",
+        )
+        .replace("[0, \"-q*t\"]", "[\"0.15*q*sin(3*t)\", \"-q*(1 + 0.2*t)\"]");
+    let steps = (1..=20).map(|k| format!("[[step]]\ntime = {k}\n"));
+    head.to_string() + &steps.collect::<String>()
+}
+
+#[test]
+fn killed_runs_go_on_from_their_finished_steps() {
+    let folder = folder("goes_on");
+    fs::write(folder.join("old.toml"), dragged()).unwrap();
+    let start = std::time::Instant::now();
+    let whole = dotyk(&folder, &["run", "old.toml", "--out", "whole", "--quiet"]);
+    let whole = { whole }.output().unwrap();
+    assert_eq!(whole.status.code(), Some(0), "{}", told(&whole));
+    let needed = start.elapsed();
+    assert_eq!(
+        names(&folder),
+        ["old.toml", "whole"].map(String::from).into()
+    );
+    let kept = folder.join("out.unfinished");
+    let (mut finished, mut kills) = (0, 0);
+    // each attempt has more time: it repeats what was finished
+    for attempt in 1.. {
+        let mut arguments = vec![
+            "run",
+            "old.toml",
+            "--out",
+            "out",
+            "--quiet",
+            "--keep-every",
+            "0",
+        ];
+        if kept.exists() {
+            arguments.extend(["--from", "out.unfinished"]);
+        }
+        let mut child = dotyk(&folder, &arguments)
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(needed.mul_f64(0.2 * f64::from(attempt)));
+        kill(&child, "-KILL");
+        let ended = child.wait().unwrap();
+        if ended.success() {
+            break;
+        }
+        kills += 1;
+        assert!(!folder.join("out/summary.json").exists());
+        if let Ok(summary) = fs::read_to_string(kept.join("summary.json")) {
+            let summary: Value = serde_json::from_str(&summary).unwrap();
+            let steps = summary["steps"].as_array().unwrap().len();
+            assert!(steps >= finished && steps < 20, "{steps} after {finished}");
+            finished = steps;
+        }
+        assert!(attempt < 100, "{finished}");
+    }
+    assert!(kills > 0 && finished > 0, "{kills} {finished}");
+    assert_eq!(
+        names(&folder),
+        ["old.toml", "out", "whole"].map(String::from).into()
+    );
+    let read = |out: &str| -> Value {
+        let text = fs::read_to_string(folder.join(out).join("summary.json")).unwrap();
+        serde_json::from_str(&text).unwrap()
+    };
+    let (one, other) = (read("whole"), read("out"));
+    for step in 0..20 {
+        let of = |summary: &Value| {
+            let contact = &summary["steps"][step]["contacts"][0];
+            let force = |axis: usize| contact["resultant"][axis].as_f64().unwrap();
+            [
+                contact["max_pressure"].as_f64().unwrap(),
+                force(0),
+                force(1),
+            ]
+        };
+        for (a, b) in of(&one).into_iter().zip(of(&other)) {
+            assert!((a - b).abs() < 1e-9 * 1e6, "step {}: {a} {b}", step + 1);
+        }
+    }
+}
+
+#[test]
+fn what_an_interrupted_run_has_finished_is_told() {
+    let folder = folder("interrupted");
+    fs::write(folder.join("old.toml"), dragged()).unwrap();
+    let arguments = [
+        "run",
+        "old.toml",
+        "--out",
+        "out",
+        "--quiet",
+        "--keep-every",
+        "0",
+    ];
+    let mut child = dotyk(&folder, &arguments)
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    let kept = folder.join("out.unfinished/summary.json");
+    while !kept.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    kill(&child, "-KILL");
+    assert!(!child.wait().unwrap().success());
+    // somebody's own file beside them stays
+    fs::write(folder.join("out.unfinished/notes.txt"), "mine").unwrap();
+    let again = dotyk(&folder, &["run", "old.toml", "--out", "out", "--quiet"]);
+    let again = { again }.output().unwrap();
+    assert_eq!(again.status.code(), Some(0), "{}", told(&again));
+    assert!(
+        told(&again).contains("--from out.unfinished goes on from there"),
+        "{}",
+        told(&again)
+    );
+    assert_eq!(
+        names(&folder.join("out.unfinished")),
+        ["notes.txt".to_string()].into()
+    );
+}
+
 #[test]
 fn a_second_run_into_a_folder_is_told() {
     let folder = old_and_new("second", 60);

@@ -124,6 +124,16 @@ macro_rules! doors {
                 self.became(self.model.solve_steps_after(past, observe))
             }
 
+            /// The same, and `kept` is shown the finished steps after each of them.
+            pub fn run_keeping(
+                &self,
+                past: &[Past<$D>],
+                observe: &mut dyn FnMut(Event),
+                kept: &dyn Fn(&[Solution<$D>]),
+            ) -> Run<$D> {
+                self.became(self.model.solve_steps_keeping(past, observe, kept))
+            }
+
             /// Solves all load steps with a solver from outside, as [`Model::solve_steps_by`](Model).
             pub fn run_by(&self, solver: &dyn ContactSolver, observe: &mut dyn FnMut(Event)) -> Run<$D> {
                 self.became(self.model.solve_steps_by(solver, observe))

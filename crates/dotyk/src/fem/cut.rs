@@ -945,7 +945,7 @@ fn pieces(interval: [f64; 2], value: impl Fn(f64) -> f64) -> Vec<[f64; 2]> {
 /// Rules for the parts of a plane reference cell behind and ahead of a line, by the distances of its nodes ahead of it.
 fn divided(kind: CellKind, distances: &[f64]) -> [Rule; 2] {
     let distance = |x: f64, y: f64| interpolated(kind, &[x, y], distances);
-    divided_by(kind.domain() == Domain::Triangle, distance)
+    divided_by(kind.domain() == Domain::Triangle, distance, POINTS)
 }
 
 /// Nodal values at a point of a cell.
@@ -960,7 +960,7 @@ fn interpolated(kind: CellKind, xi: &[f64], values: &[f64]) -> f64 {
 /// Lines of the cell along its first coordinate are cut where they meet the line; from one to the other Gauss rules go
 /// between the places where the line enters or leaves the cell. Exact for straight cuts through parallelograms and
 /// triangles, to rounding through all straight-sided cells.
-fn divided_by(triangle: bool, distance: impl Fn(f64, f64) -> f64) -> [Rule; 2] {
+fn divided_by(triangle: bool, distance: impl Fn(f64, f64) -> f64, points: usize) -> [Rule; 2] {
     let range = if triangle { [0.0, 1.0] } else { [-1.0, 1.0] };
     let ends = |y: f64| {
         if triangle {
@@ -974,7 +974,7 @@ fn divided_by(triangle: bool, distance: impl Fn(f64, f64) -> f64) -> [Rule; 2] {
         breaks.extend(zeros(range, |y| distance(ends(y)[end], y)));
     }
     breaks.sort_by(f64::total_cmp);
-    let rule = gauss(POINTS);
+    let rule = gauss(points);
     let mut parts = [Vec::new(), Vec::new()];
     for panel in breaks.windows(2) {
         let (centre, half) = (0.5 * (panel[0] + panel[1]), 0.5 * (panel[1] - panel[0]));
@@ -1037,9 +1037,12 @@ fn tetrahedra(domain: Domain) -> Vec<[[f64; 3]; 4]> {
 const MOST_DIVISIONS: usize = 2;
 const LINEAR: f64 = 1e-4;
 
-/// The part of the distances of a cell below which they are the same: rounding. Points of the rule along that coordinate.
+/// The part of the distances of a cell below which they are the same: rounding.
 const CONSTANT: f64 = 1e-9;
-const ALONG_POINTS: usize = 4;
+
+/// Points of the Gauss rules across the parts of cells in space, and one less along them: exact for forces of degree two on cells with
+/// straight sides.
+const SOLID_POINTS: usize = 4;
 
 /// The reference coordinate along which nodal values do not change, of cells that go along one.
 fn constant_along(kind: CellKind, values: &[f64]) -> Option<usize> {
@@ -1070,8 +1073,8 @@ fn divided_solid(kind: CellKind, distances: &[f64]) -> [Rule; 2] {
             xi
         };
         let triangle = kind.domain() == Domain::Prism;
-        let parts = divided_by(triangle, |x, y| distance(&place(x, y, 0.0)));
-        let rule = gauss(ALONG_POINTS);
+        let parts = divided_by(triangle, |x, y| distance(&place(x, y, 0.0)), SOLID_POINTS);
+        let rule = gauss(SOLID_POINTS - 1);
         let carried = |([x, y, _], weight): ([f64; 3], f64)| {
             let rule = rule.iter();
             rule.map(move |&(z, w)| (place(x, y, z), weight * w))

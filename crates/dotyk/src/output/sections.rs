@@ -58,7 +58,8 @@ fn more_curves(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
             unit: labels.per_length.clone(),
             value: |s| SectionQuantity::AxialShear.at(s),
         });
-        if section.places() == 1 {
+        let told = |s: &Station| s.across.is_some_and(|own| own.moment.is_some());
+        if section.stations.iter().any(told) {
             more.push(Curve {
                 name: "M2",
                 unit: labels.moment_per_length.clone(),
@@ -634,10 +635,9 @@ fn maps(section: &SectionSolution, index: usize, labels: &Labels, width: f64) ->
         let end = frame.at(last, 0.0);
         let picture = raster(&ways, &values, &axis);
         svg.picture(corner, [end[0] - corner[0], end[1] - corner[1]], &picture);
-        let left = width - BAR + 4.0;
         let style = Type::SMALL.anchored(Anchor::Start).bold();
-        svg.text([left, top - 8.0], &axis.label, style);
-        colour_bar(&mut svg, [left, top], high, &axis, false);
+        svg.text([frame.corner[0], top - 8.0], &axis.label, style);
+        colour_bar(&mut svg, [width - BAR + 4.0, top], high, &axis, false);
     }
     svg.finish()
 }

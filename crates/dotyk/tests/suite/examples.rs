@@ -75,7 +75,7 @@ fn an_own_solver_is_named_in_summary_and_report() {
 
 #[test]
 fn every_example_is_run_here() {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../dotyk/examples");
     for entry in std::fs::read_dir(folder).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         let known = [

@@ -392,7 +392,7 @@ fn read(bytes: &[u8]) -> Result<MeshFile, ImportError> {
 
 fn data(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("tests/data")
+        .join("../dotyk/tests/data")
         .join(name)
 }
 

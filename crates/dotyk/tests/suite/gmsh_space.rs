@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use std::path::PathBuf;
 
 fn data(name: &str) -> PathBuf {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../dotyk/tests/data");
     PathBuf::from(folder).join(name)
 }
 

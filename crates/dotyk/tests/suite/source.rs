@@ -17,7 +17,7 @@ pub struct Source {
 
 /// The folder of the library.
 pub fn library() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../dotyk")
 }
 
 /// All files below a folder with one of the extensions, sorted; build outputs and hidden folders are left out.

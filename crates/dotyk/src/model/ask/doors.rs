@@ -62,8 +62,21 @@ macro_rules! doors {
                 past: &[Past<$D>],
                 observe: &mut dyn FnMut(Event),
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
+                self.solve_steps_keeping(past, observe, &|_| {})
+            }
+
+            /// The same, and `kept` is shown the finished steps after each of them, so that a run that does not come to its end
+            /// loses none of them.
+            ///
+            /// Errors: as [`Self::solve_steps_after`].
+            pub fn solve_steps_keeping(
+                &self,
+                past: &[Past<$D>],
+                observe: &mut dyn FnMut(Event),
+                kept: &dyn Fn(&[Solution<$D>]),
+            ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
-                let given = Given { past, own: None };
+                let given = Given { past, kept: Some(kept), ..Given::NONE };
                 solve_steps(self, given, None, observe)
             }
 
@@ -114,7 +127,7 @@ macro_rules! doors {
             ) -> Result<Vec<Solution<$D>>, Error<$D>> {
                 self.validate()?;
                 let own = Some(solver);
-                solve_steps(self, Given { past: &[], own }, None, observe)
+                solve_steps(self, Given { own, ..Given::NONE }, None, observe)
             }
 
             /// The dual problem of the load step at a time, with the way from its forces to a solution. Friction counts

@@ -31,6 +31,9 @@ use std::mem::take;
 use std::sync::Arc;
 use std::time::Instant;
 
+/// Is shown the finished steps of a run.
+type Kept<'a, const D: usize> = dyn Fn(&[Solution<D>]) + 'a;
+
 /// Input of a run of load steps besides the model.
 #[derive(Clone, Copy)]
 pub(crate) struct Given<'a, const D: usize> {
@@ -38,6 +41,8 @@ pub(crate) struct Given<'a, const D: usize> {
     pub past: &'a [Past<D>],
     /// A solver of the caller for the other steps, instead of the model's method.
     pub own: Option<&'a dyn ContactSolver>,
+    /// Is shown the finished steps after each of them.
+    pub kept: Option<&'a Kept<'a, D>>,
 }
 
 impl<const D: usize> Given<'_, D> {
@@ -45,6 +50,7 @@ impl<const D: usize> Given<'_, D> {
     pub const NONE: Self = Self {
         past: &[],
         own: None,
+        kept: None,
     };
 }
 
@@ -146,7 +152,7 @@ impl<'m, const D: usize> March<'m, D> {
     fn solve(
         &mut self,
         model: &'m Model<D>,
-        Given { past, own }: Given<'_, D>,
+        Given { past, own, kept }: Given<'_, D>,
         observe: &mut dyn FnMut(Event),
     ) -> Result<(), Error<D>> {
         let start = Instant::now();
@@ -185,6 +191,9 @@ impl<'m, const D: usize> March<'m, D> {
             }
             self.done.push(solution);
             self.state = Some(state);
+            if let Some(kept) = kept {
+                kept(&self.done);
+            }
         }
         Ok(())
     }
