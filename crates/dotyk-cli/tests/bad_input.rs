@@ -515,6 +515,7 @@ const IN_A_SECTION_IN_SPACE: &[Mistake] = &[
     ("sides = [\"front\", \"back\"]\naxis", "sides = [\"front\", \"left\"]\naxis", "sides = [\"front\", \"left\"]", "meet"),
     ("[2, 1, 0.5]", "[2, 1]", "[2, 1]", "expected 3 numbers"),
     ("[3, 1, 0.5]", "[5, 1, 0.5]", "[5, 1, 0.5]", "lies beside the body"),
+    ("[3, 1, 0.5]", "[3, 1, 1.5]", "[3, 1, 1.5]", "lies beside the body"),
     ("places = 3", "places = 0", "places = 0", "positive integer"),
     ("places = 3", "places = 1001", "places = 1001", "at most 1000"),
     ("places = 3", "places = [3]", "places = [3]", "positive integer"),

@@ -189,10 +189,13 @@ fn fault(error: &SectionError, table: Table<'_>, what: &str) -> Fault {
                 .label("too close")
                 .help("fewer `places`, or smaller cells along the axis")
         }
+        SectionError::Extruded(ExtrudedError::Openings { .. }) => Fault::new(span("places"), message)
+            .label("beside openings")
+            .help("without `places` the forces of whole cuts are told; a section of its own for each part between openings tells more"),
         SectionError::Extruded(ExtrudedError::Ambiguous) => {
             Fault::new(span("sides"), message)
                 .label("parallel planes")
-                .help("add `axis = [0, 0, 1]`, the direction across the cuts' plane; s runs across it")
+                .help("add `axis = [x, y, z]`, a direction along both of them: that of a tunnel, a wall, or across a beam; s runs from one end of the sides to the other, across it")
         }
         SectionError::Extruded(ExtrudedError::Across) => Fault::new(span("axis"), message)
             .label("not along the sides"),

@@ -116,7 +116,10 @@ pub(crate) fn direction<const D: usize>(
     what: &str,
 ) -> Result<[f64; D], Fault> {
     let node = table.require(key, what)?;
-    unit(node.point()?).ok_or_else(|| {
+    let given: [f64; D] = node.point()?;
+    // of any length: squares of numbers like 1e200 are none
+    let largest = given.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
+    unit(given.map(|c| c / largest)).ok_or_else(|| {
         Fault::new(&node.span, format!("the {key} of {what} is zero")).label("no direction")
     })
 }

@@ -28,6 +28,7 @@
 //!   functions on these sides that has these nodal forces, else each cut beside a node would show half of the node's force. Each
 //!   acts only on its own side: at the corner of a held end and a bedded long side the reaction of the support belongs to the
 //!   end, the force of the bed to the long side, and one traction over both would mix them.
+//! * On the ends of an extruded body the normal stress of the cells is taken as a part of the traction (`take_normal_stress`).
 //! * A force at a point of the cut belongs to the part behind; so do all forces on a face at which the body begins. Where the
 //!   body ends at the cut, the cut is just before that face: forces there are ahead, except for point loads.
 //!
@@ -44,7 +45,7 @@ use crate::fem::springs::{Bed, Spring};
 use crate::fem::supports::{nearest_node, side_facets};
 use crate::fem::surface::SideNormals;
 use crate::geometry::{Point, add_scaled, cross, dot, norm, sub};
-use crate::mesh::{Axes, CellKind, Cut, Domain, Facet, MAX_CELL_NODES, MAX_FACET_NODES};
+use crate::mesh::{Axes, CellKind, Cut, Domain, Facet, MAX_CELL_NODES, MAX_FACET_NODES, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A node nearer to the cut than this part of its length lies on it.
@@ -107,6 +108,8 @@ impl<const D: usize> Push<D> {
 struct Pushed<const D: usize> {
     facets: BTreeSet<Facet>,
     traction: Vec<Point<D>>,
+    /// The normal stress of the cells is a part of it, and not of these forces.
+    on_ends: bool,
 }
 
 /// Ratio of two steps along the axis from which weights that are exact for parabolas are not positive any more: 1.62.
@@ -300,6 +303,13 @@ impl<'s> Sums<'s> {
         self.along.values(self.all)
     }
 
+    /// Those of the whole cut; moments about the middle line where they are weighted with hats.
+    pub fn whole(&self) -> Resultant {
+        let mut sum = Resultant::default();
+        self.all.iter().for_each(|own| sum.join(1.0, *own));
+        sum
+    }
+
     /// Adds a force at a point, both in the axes of the cut, times a factor.
     fn add(&mut self, factor: f64, at: [f64; 3], force: [f64; 3]) {
         let out = match self.along.levels.is_empty() {
@@ -413,10 +423,11 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 });
             }
         }
-        let spread = |facets: BTreeSet<Facet>, forces: &[Point<D>]| Pushed {
-            traction: traction_of((body, analysis), &facets, forces),
-            facets,
-        };
+        let cells = CellForces::new(
+            (body, analysis),
+            (displacement, history.yielded.as_deref()),
+            time,
+        )?;
         let mut pushed = Vec::new();
         for push in pushes {
             let mut facets = BTreeSet::new();
@@ -425,7 +436,17 @@ impl<'a, const D: usize> Ahead<'a, D> {
             }
             let mut forces = vec![[0.0; D]; nodes];
             push.forces.iter().for_each(|(&node, &f)| forces[node] = f);
-            pushed.push(spread(facets, &forces));
+            let across = |facet: &Facet| is_across(mesh, *facet, axes.axis());
+            let along = |force: &Point<D>| dot(*force, axes.axis()) != 0.0;
+            let on_ends = facets.iter().all(across) && push.forces.values().any(along);
+            if on_ends {
+                take_normal_stress(mesh, &facets, &cells, &mut forces)?;
+            }
+            pushed.push(Pushed {
+                traction: traction_of((body, analysis), &facets, &forces),
+                facets,
+                on_ends,
+            });
         }
         if !history.released.is_empty() {
             let released = released(body, history, time);
@@ -434,7 +455,12 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 nodes.all(|node| released[node as usize] != [0.0; D])
             };
             let boundary = mesh.boundary_facets().into_iter().filter(left);
-            pushed.push(spread(boundary.collect(), &released));
+            let facets = boundary.collect();
+            pushed.push(Pushed {
+                traction: traction_of((body, analysis), &facets, &released),
+                facets,
+                on_ends: false,
+            });
         }
         let mut around = vec![Vec::new(); nodes];
         for (b, block) in mesh.blocks().iter().enumerate() {
@@ -449,11 +475,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
             time,
             axes,
             along,
-            cells: CellForces::new(
-                (body, analysis),
-                (displacement, history.yielded.as_deref()),
-                time,
-            )?,
+            cells,
             displacement,
             loads,
             springs,
@@ -601,14 +623,20 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 || self.loads.contains_key(&facet)
                 || self.springs_at(facet).next().is_some()
             {
-                self.add_facet(divide, rises, facet, sum);
+                self.add_facet(divide, rises, facet, sum)?;
             }
         }
         Ok(())
     }
 
     /// −∫(φ − H) f over a facet.
-    fn add_facet(&self, divide: &Divide<'_>, rises: &[bool], facet: Facet, sum: &mut Sums<'_>) {
+    fn add_facet(
+        &self,
+        divide: &Divide<'_>,
+        rises: &[bool],
+        facet: Facet,
+        sum: &mut Sums<'_>,
+    ) -> Result<(), FemError> {
         let mesh = &self.body.mesh;
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
         let kind = mesh.facet_kind(facet);
@@ -623,7 +651,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 let mut shape = [0.0; MAX_FACET_NODES];
                 kind.shape(&xi, &mut shape);
                 let normal = normal.map(|n| n / size);
-                let force = self.traction((facet, &xi), (point, normal), &shape);
+                let force = self.traction((facet, &xi), (point, normal), &shape)?;
                 let force = self.axes.local(force);
                 for (&node, n) in nodes.iter().zip(shape) {
                     let part =
@@ -634,6 +662,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 }
             }
         }
+        Ok(())
     }
 
     /// Rules for the parts of a facet, each with whether it is ahead.
@@ -674,7 +703,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
         (facet, xi): (Facet, &[f64]),
         (point, normal): (Point<D>, Point<D>),
         shape: &[f64],
-    ) -> Point<D> {
+    ) -> Result<Point<D>, FemError> {
         let of_facet = |values: &[Point<D>]| {
             let nodes = self.body.mesh.facet_nodes(facet).zip(shape);
             nodes.fold([0.0; D], |sum, (node, &n)| {
@@ -693,8 +722,12 @@ impl<'a, const D: usize> Ahead<'a, D> {
         }
         for pushed in self.pushed.iter().filter(|p| p.facets.contains(&facet)) {
             sum = add_scaled(sum, 1.0, of_facet(&pushed.traction));
+            if pushed.on_ends {
+                let stress = normal_stress(&self.body.mesh, &self.cells, (facet, xi), normal)?;
+                sum = add_scaled(sum, stress, normal);
+            }
         }
-        sum
+        Ok(sum)
     }
 
     /// −∫(φ − H) f over a cell, with axial symmetry −∫ H σ_θ/r, whose other part is in the nodal forces, and with levels along the
@@ -780,6 +813,65 @@ impl<'a, const D: usize> Ahead<'a, D> {
 
 /// Degree of the rule of the mass of facets.
 const MASS_DEGREE: usize = 7;
+
+/// A plane facet across a direction; zero in the plane, where there is none.
+fn is_across<const D: usize>(mesh: &Mesh<D>, facet: Facet, axis: Point<D>) -> bool {
+    let kind = mesh.facet_kind(facet);
+    let corners = &kind.reference_nodes()[..kind.corners()];
+    corners.iter().all(|xi| {
+        let normal = mesh.outward_normal(facet, xi);
+        dot(normal, axis).abs() > (1.0 - ON_CUT) * norm(normal)
+    })
+}
+
+/// n·σn of its cell at a place of a facet with the normal n.
+fn normal_stress<const D: usize>(
+    mesh: &Mesh<D>,
+    cells: &CellForces<'_, D>,
+    (facet, xi): (Facet, &[f64]),
+    normal: Point<D>,
+) -> Result<f64, FemError> {
+    let (block, cell) = (facet.block as usize, facet.cell as usize);
+    let kind = mesh.blocks()[block].kind;
+    let (of_facet, local) = kind.facets()[facet.local as usize];
+    let mut shape = [0.0; MAX_FACET_NODES];
+    of_facet.shape(xi, &mut shape);
+    let nodes = local.iter().zip(shape);
+    let at = nodes.fold([0.0; 3], |sum, (&node, n)| {
+        add_scaled(sum, n, kind.reference_nodes()[node])
+    });
+    let stress = cells.normal_stress(block, cell, (&vec![(at, 1.0)], normal))?;
+    Ok(stress[0])
+}
+
+/// Takes from nodal forces on the ends of a body those of the normal stress of its cells.
+///
+/// A reaction is the force of that stress where all is the same along the axis. As a traction of shape functions it would have the same
+/// nodal forces, but another share ahead of a cut through the facets, and the forces along the axis at the ends, which are that
+/// share in a layer of cells, would grow with the number of layers.
+fn take_normal_stress<const D: usize>(
+    mesh: &Mesh<D>,
+    facets: &BTreeSet<Facet>,
+    cells: &CellForces<'_, D>,
+    forces: &mut [Point<D>],
+) -> Result<(), FemError> {
+    for &facet in facets {
+        let kind = mesh.facet_kind(facet);
+        for QuadraturePoint { xi, weight } in quadrature::rule(kind, MASS_DEGREE) {
+            let normal = mesh.outward_normal(facet, &xi);
+            let size = norm(normal);
+            let unit = normal.map(|n| n / size);
+            let stress = normal_stress(mesh, cells, (facet, &xi), unit)?;
+            let mut shape = [0.0; MAX_FACET_NODES];
+            kind.shape(&xi, &mut shape);
+            for (node, n) in mesh.facet_nodes(facet).zip(shape) {
+                let force = &mut forces[node as usize];
+                *force = add_scaled(*force, -weight * size * stress * n, unit);
+            }
+        }
+    }
+    Ok(())
+}
 
 /// Most steps of the conjugate gradients: with the diagonal divided out the mass of lines has eigenvalues between 1/2 and 2, that of
 /// plane facets between 1/16 and 8.

@@ -116,6 +116,41 @@ impl<'a, const D: usize> CellForces<'a, D> {
         cell: usize,
         rule: &Rule,
     ) -> Result<[Point<D>; MAX_CELL_NODES], FemError> {
+        let nodes = self.body.mesh.cell_nodes(block, cell).len();
+        let mut forces = [[0.0; D]; MAX_CELL_NODES];
+        for (at, stress) in self.stresses(block, cell, rule)? {
+            for (force, slope) in forces.iter_mut().zip(&at.gradients).take(nodes) {
+                for (i, force) in force.iter_mut().enumerate() {
+                    let along = (0..D).map(|j| stress[PLACE[i][j]] * slope[j]);
+                    *force += at.volume * along.sum::<f64>();
+                }
+            }
+        }
+        Ok(forces)
+    }
+
+    /// n·σn at points of a cell, n a unit vector. Errors: as above.
+    pub fn normal_stress(
+        &self,
+        block: usize,
+        cell: usize,
+        (rule, n): (&Rule, Point<D>),
+    ) -> Result<Vec<f64>, FemError> {
+        let along = |stress: [f64; 6]| {
+            let row = |i: usize| (0..D).map(|j| stress[PLACE[i][j]] * n[j]).sum::<f64>();
+            (0..D).map(|i| n[i] * row(i)).sum()
+        };
+        let stresses = self.stresses(block, cell, rule)?.into_iter();
+        Ok(stresses.map(|(_, stress)| along(stress)).collect())
+    }
+
+    /// Deformation and total stress at points of a cell.
+    fn stresses(
+        &self,
+        block: usize,
+        cell: usize,
+        rule: &Rule,
+    ) -> Result<Vec<(Deformation<D>, [f64; 6])>, FemError> {
         let kind = self.body.mesh.blocks()[block].kind;
         let nodes = self.body.mesh.cell_nodes(block, cell);
         let cells = &self.blocks[block][0];
@@ -124,8 +159,7 @@ impl<'a, const D: usize> CellForces<'a, D> {
         let nearest = self.nearest(block, cell);
         let table = CellTable::at(kind, rule).formulated(kind, self.body.formulation);
         let part = cells.at(table);
-        let mut forces = [[0.0; D]; MAX_CELL_NODES];
-        for (q, (xi, _)) in rule.iter().enumerate() {
+        let at_point = |(q, (xi, _)): (usize, &([f64; 3], f64))| {
             let at = part.deformation(q, (nodes, &modes), self.displacement);
             let mut stress = cells.lame.stress(at.gradient, at.hoop);
             let strain = self.body.initial.of_strain(law, at.point, self.time)?;
@@ -137,14 +171,9 @@ impl<'a, const D: usize> CellForces<'a, D> {
                 let plastic = plastic_stress(law.0, law.1, own);
                 stress.iter_mut().zip(plastic).for_each(|(s, p)| *s -= p);
             }
-            for (force, slope) in forces.iter_mut().zip(&at.gradients).take(nodes.len()) {
-                for (i, force) in force.iter_mut().enumerate() {
-                    let along = (0..D).map(|j| stress[PLACE[i][j]] * slope[j]);
-                    *force += at.volume * along.sum::<f64>();
-                }
-            }
-        }
-        Ok(forces)
+            Ok((at, stress))
+        };
+        rule.iter().enumerate().map(at_point).collect()
     }
 
     /// In a part of a cell the plastic strain is that of the nearest point; `None` without any.

@@ -78,6 +78,14 @@ pub enum ExtrudedError {
     /// No face across the direction.
     #[error("a body has no face across the direction of extrusion at its end, {0:.4e} along it")]
     NoFace(f64),
+    /// A long side with openings.
+    #[error("the {} of its long sides has openings between its ends, {:.1} % of it: forces at `places` along the axis are those of bodies without", ["first", "second"][*side], 100.0 * part)]
+    Openings {
+        /// Which one.
+        side: usize,
+        /// The part of it that is missing.
+        part: f64,
+    },
     /// Places closer than cells.
     #[error(
         "its places along the direction of extrusion are {step:.4e} apart, and cells are up to {cells:.4e} long there"

@@ -4,7 +4,7 @@
 //! normal is its tangent turned by −90°; in space its nodes run counter-clockwise seen from outside, and the outward normal is
 //! the product of its two tangents. Two facets are the same when they have the same corner nodes.
 
-use crate::geometry::{Point, distance};
+use crate::geometry::{Point, distance, norm};
 use crate::mesh::cell::MAX_FACET_NODES;
 use crate::mesh::{CellKind, Facet, Mesh};
 use std::any::Any;
@@ -316,6 +316,12 @@ impl<const D: usize> Mesh<D> {
                 lengths.fold(0.0, |most, (a, b)| distance(at[a], at[b]).max(most))
             }
         }
+    }
+
+    /// Length or area of a facet by the normal at its centre: of curved ones that of a flat one.
+    pub fn facet_size(&self, facet: Facet) -> f64 {
+        let domain = self.facet_kind(facet).domain();
+        domain.volume() * norm(self.outward_normal(facet, &domain.centre()))
     }
 
     /// Nodes of a side in its order, each once, and whether it is one closed chain: along its chains in the plane, in space

@@ -49,29 +49,39 @@ fn curves(labels: &Labels) -> [Curve; 3] {
     ]
 }
 
+/// Curves of V2, M2 and T in space.
+fn curves_across(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
+    let curve = |quantity: SectionQuantity, unit: &str, value: fn(&Station) -> f64| Curve {
+        name: quantity.name(),
+        unit: unit.to_string(),
+        value,
+    };
+    let whole = |s: &Station| s.across.is_some_and(|own| own.moment.is_some());
+    let whole = section.stations.iter().any(whole);
+    let across = section.extrusion.is_some();
+    let force = across.then(|| {
+        curve(SectionQuantity::AxialShear, &labels.per_length, |s| {
+            SectionQuantity::AxialShear.at(s)
+        })
+    });
+    let moment = whole.then(|| {
+        curve(
+            SectionQuantity::AxialMoment,
+            &labels.moment_per_length,
+            |s| SectionQuantity::AxialMoment.at(s),
+        )
+    });
+    let twist = across.then(|| {
+        curve(SectionQuantity::Twist, &labels.moment_per_length, |s| {
+            SectionQuantity::Twist.at(s)
+        })
+    });
+    [force, moment, twist].into_iter().flatten().collect()
+}
+
 /// Curves of forces in space, of hoop forces and of the utilisation, if present.
 fn more_curves(section: &SectionSolution, labels: &Labels) -> Vec<Curve> {
-    let mut more = Vec::new();
-    if section.extrusion.is_some() {
-        more.push(Curve {
-            name: "V2",
-            unit: labels.per_length.clone(),
-            value: |s| SectionQuantity::AxialShear.at(s),
-        });
-        let told = |s: &Station| s.across.is_some_and(|own| own.moment.is_some());
-        if section.stations.iter().any(told) {
-            more.push(Curve {
-                name: "M2",
-                unit: labels.moment_per_length.clone(),
-                value: |s| SectionQuantity::AxialMoment.at(s),
-            });
-        }
-        more.push(Curve {
-            name: "T",
-            unit: labels.moment_per_length.clone(),
-            value: |s| SectionQuantity::Twist.at(s),
-        });
-    }
+    let mut more = curves_across(section, labels);
     if section.stations.iter().any(|s| s.hoop.is_some()) {
         more.push(Curve {
             name: "hoop N",
@@ -807,6 +817,8 @@ fn limit_in_words(capacity: &Capacity, several: bool, labels: &Labels) -> String
 
 /// The extremes over all stations and steps, each with the other forces there; σ are the stresses of the two sides.
 fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) -> Markup {
+    let across = steps.first().map(|first| curves_across(first, labels));
+    let across = across.unwrap_or_default();
     let mut rows = Vec::new();
     for quantity in SectionQuantity::ALL {
         let found = steps
@@ -845,11 +857,9 @@ fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) 
                 plain(number(place.s)),
                 plain(vector(&place.coordinates(), "")),
             ]);
-            row.extend(
-                curves(labels)
-                    .iter()
-                    .map(|curve| plain(number(heard(curve)))),
-            );
+            let own = curves(labels);
+            let shown = own.iter().chain(&across);
+            row.extend(shown.map(|curve| plain(number(heard(curve)))));
             row.extend([first, second].map(|stress| plain(number(stress))));
             row.extend(place.utilisation.map(|u| {
                 plain(if u.is_finite() {
@@ -868,11 +878,9 @@ fn extremes((numbers, steps): (&[usize], &[&SectionSolution]), labels: &Labels) 
         column("s", &labels.length),
         column("at", &labels.length),
     ]);
-    heads.extend(
-        curves(labels)
-            .iter()
-            .map(|curve| column(curve.name, &curve.unit)),
-    );
+    let own = curves(labels);
+    let shown = own.iter().chain(&across);
+    heads.extend(shown.map(|curve| column(curve.name, &curve.unit)));
     heads.extend(["first", "second"].map(|name| column(&format!("σ {name}"), &labels.stress)));
     let used = steps
         .iter()

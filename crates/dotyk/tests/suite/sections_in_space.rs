@@ -339,3 +339,62 @@ fn forces_that_are_linear_along_the_axis_are_exact() {
         }
     }
 }
+
+#[test]
+fn between_planes_all_places_are_those_of_plane_strain() {
+    let at = |places: usize, cells: &str, layers: usize| {
+        quarter(cells, Some(0.7))
+            .replace("layers = 2", &format!("layers = {layers}"))
+            .replace("stations = 9", &format!("stations = 9\nplaces = {places}"))
+    };
+    for cells in [
+        "cells = [12, 2]",
+        "cells = [8, 1], cell = \"tri6\"",
+        "cells = [8, 1], cell = \"quad8\"",
+    ] {
+        let plane = solved(&quarter(cells, None)).sections.remove(0);
+        for (places, layers) in [(3, 2), (3, 4), (5, 8)] {
+            let section = in_space(&at(places, cells, layers)).sections.remove(0);
+            let error = off(&section, |s| {
+                let mut stations = plane.stations.iter();
+                let own = stations.find(|own| (own.s - s.s).abs() < 1e-9).unwrap();
+                [own.normal, own.shear, own.moment]
+            });
+            assert!(error < 1e-8, "{cells} {places} {layers}: {error:.1e}");
+            for station in &section.stations {
+                // relative to forces of 5 to 20
+                assert!(
+                    across(station).iter().all(|c| c.abs() < 1e-7),
+                    "{cells} {layers}: {station:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn openings_and_points_beyond_the_ends_are_told() {
+    let refused = |text: &str| {
+        let case = Case::<3>::from_str(text, "test.toml", Path::new("."));
+        case.err()
+            .map(|error| error.to_string())
+            .unwrap_or_default()
+    };
+    let text = quarter("cells = [10, 2]", Some(0.7))
+        .replace("stations = 9", "stations = [[3, 3, 7.5], [3, 3, 9]]");
+    let message = refused(&text);
+    assert!(
+        message.contains("station 2 at (3, 3, 9) lies beside the body"),
+        "{message}"
+    );
+    // a side that covers a half of the wall
+    let half = quarter("cells = [10, 2]", Some(0.7))
+        .replace("layers = 2, offset = 7 } }", "layers = 2, offset = 7 }, sides = { part = { of = \"inner\", min = [-9, -9, 7.3], max = [9, 9, 9] } } }")
+        .replace("sides = [\"inner\", \"outer\"]", "sides = [\"part\", \"outer\"]")
+        .replace("stations = 9", "stations = 9\nplaces = 3");
+    let message = refused(&half);
+    assert!(
+        message.contains("the first of its long sides has openings between its ends, 50.0 %"),
+        "{message}"
+    );
+}

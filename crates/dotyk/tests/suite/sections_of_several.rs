@@ -494,3 +494,48 @@ fn tied_parts_in_tied_ground_are_one_ring() {
         assert!(most < 1e-3, "{joints_first} {rock_first}: {most:.1e}");
     }
 }
+
+#[test]
+fn layers_that_fold_bear_what_statics_says() {
+    for (one, other) in [
+        ("quad4", "quad8"),
+        ("quad8", "quad4"),
+        ("quad4", "tri6"),
+        ("quad4", "quad4"),
+    ] {
+        let text = format!(
+            r#"
+analysis = "plane-strain"
+[[body]]
+name = "b0"
+mesh = {{ ring = {{ inner = 4, outer = 4.2, from = 0, to = 70, cells = [4, 1], cell = "{one}" }} }}
+material = {{ young = 1e6, poisson = 0.25 }}
+fix = [{{ side = "start", x = 0, y = 0 }}]
+[[body]]
+name = "b1"
+mesh = {{ ring = {{ inner = 4.2, outer = 4.4, from = 0, to = 70, cells = [4, 1], cell = "{other}" }} }}
+material = {{ young = 1e6, poisson = 0.25 }}
+fix = [{{ side = "start", x = 0, y = 0 }}]
+load = [{{ side = "end", force = [1, 2] }}]
+[[contact]]
+name = "k"
+nonmortar = "b0.outer"
+mortar = "b1.inner"
+tied = true
+[[section]]
+name = "c"
+bodies = ["b0", "b1"]
+sides = ["b0.inner", "b1.outer"]
+stations = 9
+"#
+        );
+        for station in &solved(&text).sections[0].stations {
+            let force = station.normal.hypot(station.shear);
+            assert!(
+                (force - 5.0_f64.sqrt()).abs() < 1e-9,
+                "{one} {other} {}: {force}",
+                station.s
+            );
+        }
+    }
+}

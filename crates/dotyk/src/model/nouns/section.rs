@@ -139,6 +139,8 @@ pub struct Extrusion {
     pub length: f64,
     /// Number of places along it; 1: the mean.
     pub places: usize,
+    /// With several places, the means of all cuts.
+    pub means: Vec<Station>,
 }
 
 /// Forces on one cut; not a number where no body is there yet.
@@ -309,46 +311,28 @@ impl SectionSolution {
 
     /// Its means along the axis, with the largest utilisation; itself where they are told already.
     pub fn mean(&self) -> Cow<'_, Self> {
-        let places = self.places();
-        if places == 1 {
+        let Some(extrusion) = self.extrusion.as_ref().filter(|own| own.places > 1) else {
             return Cow::Borrowed(self);
-        }
-        let count = self.stations.len() / places;
-        let station = |k: usize| {
-            let own = |place: usize| &self.stations[place * count + k];
-            let mean = |value: &dyn Fn(&Station) -> f64| -> f64 {
-                (0..places).map(|p| self.share(p) * value(own(p))).sum()
-            };
-            let of_across =
-                |value: fn(&Across) -> f64| mean(&|s| s.across.as_ref().map_or(f64::NAN, value));
-            let used = (0..places).filter_map(|p| own(p).utilisation);
-            let across = own(0).across.map(|first| Across {
-                point: std::array::from_fn(|i| {
-                    mean(&|s| s.across.map_or(f64::NAN, |a| a.point[i]))
-                }),
-                along: of_across(|a| a.along),
-                shear: of_across(|a| a.shear),
-                twist: of_across(|a| a.twist),
-                ..first
-            });
-            Station {
-                normal: mean(&|s| s.normal),
-                shear: mean(&|s| s.shear),
-                moment: mean(&|s| s.moment),
-                across,
-                utilisation: used.reduce(f64::max),
-                ..*own(0)
-            }
         };
-        let extrusion = self.extrusion.as_ref();
+        let count = extrusion.means.len();
+        let means = extrusion.means.iter().enumerate().map(|(k, mean)| {
+            let used = self.stations.iter().skip(k).step_by(count.max(1));
+            let used = used.filter_map(|station| station.utilisation);
+            Station {
+                utilisation: used.reduce(f64::max),
+                ..*mean
+            }
+        });
         Cow::Owned(Self {
-            extrusion: extrusion.map(|own| Extrusion {
-                places: 1,
-                ..own.clone()
-            }),
-            stations: (0..count).map(station).collect(),
             name: self.name.clone(),
-            ..*self
+            length: self.length,
+            closed: self.closed,
+            extrusion: Some(Extrusion {
+                places: 1,
+                means: Vec::new(),
+                ..extrusion.clone()
+            }),
+            stations: means.collect(),
         })
     }
 

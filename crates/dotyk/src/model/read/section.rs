@@ -9,7 +9,7 @@
 //! In space the strip is that of the profiles of its bodies (`mesh/extruded.rs`), and a cut goes all along them.
 
 use crate::fem::{Ahead, Along, Analysis, Body, Push, Resultant, Sums};
-use crate::geometry::{Groups, Point, add_scaled, dot, norm, padded, sub};
+use crate::geometry::{Groups, Point, add_scaled, dot, padded, sub};
 use crate::mesh::{
     Axes, Cut, ExtrudedError, Facet, Located, Mesh, Strip, StripError, direction, extent, levels,
     locate_all, profile,
@@ -118,7 +118,9 @@ impl<const D: usize> Section<D> {
                 false => Ok(all),
             }
         };
-        let strip = Strip::between([&line(0)?, &line(1)?])?;
+        let lines = [line(0)?, line(1)?];
+        self.check_openings(&lines, (bodies, absent), &reach)?;
+        let strip = Strip::between([&lines[0], &lines[1]])?;
         let length = strip.length();
         let cuts: Vec<Cut> = match &self.stations {
             Stations::Number(0 | 1) => return Err(SectionError::TooFew),
@@ -128,12 +130,19 @@ impl<const D: usize> Section<D> {
             }
             Stations::Points(points) => {
                 let found = points.iter().enumerate().map(|(index, point)| {
-                    let [x, y, _] = reach.axes.local(*point);
+                    let [x, y, z] = reach.axes.local(*point);
                     let off = || SectionError::Off {
                         index,
                         point: point.to_vec(),
                     };
-                    strip.nearest([x, y]).ok_or_else(off)
+                    let beyond = |[from, to]: [f64; 2]| {
+                        let near = ON_BORDER * (to - from);
+                        z < from - near || z > to + near
+                    };
+                    match reach.ends.is_some_and(beyond) {
+                        true => Err(off()),
+                        false => strip.nearest([x, y]).ok_or_else(off),
+                    }
                 });
                 found.collect::<Result<_, _>>()?
             }
@@ -161,6 +170,36 @@ impl<const D: usize> Section<D> {
             reach,
             cuts,
         })
+    }
+
+    /// Errors: with places along the axis, a long side with openings between its ends: its area is less than that of its profile, carried
+    /// along.
+    fn check_openings(
+        &self,
+        lines: &[Vec<(&Mesh<2>, &str)>; 2],
+        (bodies, absent): (&[Body<D>], &[Absent<D>]),
+        reach: &Reach<D>,
+    ) -> Result<(), SectionError> {
+        let Some([from, to]) = reach.ends.filter(|_| self.places > 1) else {
+            return Ok(());
+        };
+        for side in 0..2 {
+            let own = self.sides[side].iter();
+            let own = own.map(|own| (&*bodies[own.body.0].mesh, own.side.as_str()));
+            let gone = absent.iter().flat_map(|gone| {
+                let sides = gone.sides[side].iter();
+                sides.map(|side| (&*gone.mesh, side.as_str()))
+            });
+            let all = own.chain(gone);
+            let area = all.map(|(mesh, side)| size_of(mesh, side));
+            let lines = lines[side].iter();
+            let line = lines.map(|(mesh, side)| size_of(mesh, side));
+            let part = 1.0 - area.sum::<f64>() / (line.sum::<f64>() * (to - from));
+            if part > OPENING {
+                return Err(ExtrudedError::Openings { side, part }.into());
+            }
+        }
+        Ok(())
     }
 
     /// The axes of the cuts, and in space the places along the bodies, present or not.
@@ -226,6 +265,12 @@ impl<const D: usize> Section<D> {
     }
 }
 
+/// Length or area of a side.
+fn size_of<const D: usize>(mesh: &Mesh<D>, side: &str) -> f64 {
+    let facets = mesh.side(side).unwrap_or(&[]).iter();
+    facets.map(|facet| mesh.facet_size(*facet)).sum()
+}
+
 /// A mesh of the plane, or the profile of one in space.
 fn in_plane<'m, const D: usize>(
     mesh: &'m Mesh<D>,
@@ -239,6 +284,9 @@ fn in_plane<'m, const D: usize>(
 
 /// A cut divides the body if this distance beyond its end, on its line and on both sides of it, is outside; relative to the thickness.
 const BEYOND: f64 = 0.15;
+
+/// A long side has openings where this part of it is missing: facets that are not flat differ by less.
+const OPENING: f64 = 0.01;
 
 /// A point counts as one of the body up to this distance from a cell, in reference coordinates: rounding of its border. Beside flat cells
 /// a larger one would reach far.
@@ -553,11 +601,8 @@ fn size_at<const D: usize>(mesh: &Mesh<D>, push: &Push<D>, node: usize) -> f64 {
         sides.flatten().copied().collect()
     };
     let at_node = |facet: &&Facet| mesh.facet_nodes(**facet).any(|own| own as usize == node);
-    let size = |facet: &Facet| {
-        let domain = mesh.facet_kind(*facet).domain();
-        domain.volume() * norm(mesh.outward_normal(*facet, &domain.centre()))
-    };
-    facets.iter().filter(at_node).map(size).sum()
+    let at_node = facets.iter().filter(at_node);
+    at_node.map(|facet| mesh.facet_size(*facet)).sum()
 }
 
 /// Forces of a contact between two bodies, by multipliers.
@@ -605,7 +650,7 @@ pub(crate) fn section_forces<const D: usize>(
             // they are per length already
             _ => 1.0,
         };
-        let mut stations = vec![Vec::new(); reach.along.count()];
+        let (mut stations, mut means) = (vec![Vec::new(); reach.along.count()], Vec::new());
         for (k, cut) in lines.cuts.iter().enumerate() {
             let mut sum = laid.whole.then(|| Sums::new(&reach.along, cut));
             let mut layers = BTreeMap::new();
@@ -628,12 +673,16 @@ pub(crate) fn section_forces<const D: usize>(
                 }
             }
             let there = sum.is_some();
+            if let (Some([from, to]), false) = (reach.ends, reach.along.places.is_empty()) {
+                let whole = sum.as_ref().map_or(Resultant::nowhere(), Sums::whole);
+                means.push(reach.station(cut, None, whole, to - from));
+            }
             let hoop = laid.hoops.get(k).map(|places| hoop_forces(places, bodies));
             let hoop = hoop.map(|hoop| hoop.map(|own| if there { own } else { f64::NAN }));
             let nowhere = Resultant::nowhere();
             let resultants = sum.map_or(vec![nowhere; stations.len()], Sums::values);
             for (place, (own, resultant)) in stations.iter_mut().zip(resultants).enumerate() {
-                let mut station = reach.station(cut, place, resultant, width(cut));
+                let mut station = reach.station(cut, Some(place), resultant, width(cut));
                 station.hoop = hoop;
                 station.utilisation = section.capacity.as_ref().map(|capacity| match there {
                     true => capacity.utilisation(station.thickness, station.normal, station.moment),
@@ -650,6 +699,7 @@ pub(crate) fn section_forces<const D: usize>(
                 axis: padded(reach.axes.axis()),
                 length: to - from,
                 places: reach.along.count(),
+                means,
             }),
             stations: stations.concat(),
         })
@@ -658,13 +708,19 @@ pub(crate) fn section_forces<const D: usize>(
 }
 
 impl<const D: usize> Reach<D> {
-    /// The forces of a cut at one of its places along the axis, from the resultant there on a width.
-    fn station(&self, cut: &Cut, place: usize, resultant: Resultant, width: f64) -> Station {
+    /// The forces of a cut at one of its places along the axis, or of all of it, from the resultant there on a width.
+    fn station(
+        &self,
+        cut: &Cut,
+        place: Option<usize>,
+        resultant: Resultant,
+        width: f64,
+    ) -> Station {
         let (middle, first, along) = (cut.middle(), cut.toward_first(), cut.along());
         let (force, moment) = (resultant.force, resultant.moment);
         let of = |vector: [f64; 3], [x, y]: Point<2>| (vector[0] * x + vector[1] * y) / width;
         let across = self.ends.map(|[from, _]| {
-            let at = self.along.places.get(place).copied();
+            let at = place.and_then(|place| self.along.places.get(place).copied());
             let at = at.unwrap_or(self.along.middle);
             Across {
                 point: padded(self.axes.global([middle[0], middle[1], at])),
@@ -689,7 +745,8 @@ impl<const D: usize> Reach<D> {
     }
 }
 
-/// The forces of a multiplier act where the line of a cut passes between its ends.
+/// The nodes of a multiplier reach into the cut, and not only into its line elsewhere, as on the other side of a ring. On long facets of a
+/// round joint some of them, and their middle, may lie beyond its ends.
 fn through<const D: usize>(
     (model, axes): (&Model<D>, &Axes<D>),
     cut: &Cut,
@@ -699,8 +756,11 @@ fn through<const D: usize>(
         let [x, y, _] = axes.local(model.bodies[*of].mesh.points()[*node]);
         dot(sub([x, y], cut.middle()), cut.toward_first())
     });
-    let mean = along.sum::<f64>() / pair.len() as f64;
-    mean.abs() <= 0.5 * cut.thickness() * (1.0 + ON_BORDER)
+    let [low, high] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+        [low.min(x), high.max(x)]
+    });
+    let half = 0.5 * cut.thickness() * (1.0 + ON_BORDER);
+    low <= half && high >= -half
 }
 
 /// ∫σ_zz and ∫σ_zz y over a cut, from places on it.
