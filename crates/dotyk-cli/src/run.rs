@@ -35,8 +35,8 @@ pub struct Arguments {
     /// Go on behind the steps of an earlier run of the case, from its output folder
     #[arg(long, value_name = "DIR")]
     from: Option<PathBuf>,
-    /// Write finished steps into DIR.unfinished after this time at most, from which a killed run goes on with --from [default: 20
-    /// times what writing them takes]
+    /// Keep finished steps in DIR.unfinished every so many seconds: a killed run goes on from there with --from [default: 20 times
+    /// what writing them takes]
     #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_negative_numbers = true)]
     keep_every: Option<f64>,
     /// Number of threads [default: all]

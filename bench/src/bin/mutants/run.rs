@@ -89,7 +89,7 @@ fn numbers(text: &str) -> Vec<usize> {
 
 /// The tests of the tier, built: those inside the library, and those of the suite that begin with none of these words.
 pub fn tests(folder: &Path, left_out: &[&str]) -> Result<Vec<Test>, String> {
-    let arguments = "test --release --no-run -p dotyk -p dotyk-unit --test unit --test suite";
+    let arguments = "test --release --no-run -p dotyk-suite -p dotyk-unit --test unit --test suite";
     let arguments: Vec<&str> = arguments.split(' ').collect();
     let (built, messages) = cargo(folder, &arguments)?;
     if !built {
