@@ -398,3 +398,29 @@ fn openings_and_points_beyond_the_ends_are_told() {
         "{message}"
     );
 }
+
+#[test]
+fn means_along_the_axis_are_those_of_whole_cuts() {
+    let text = quarter("cells = [10, 2]", Some(0.7))
+        .replace("pressure = \"1 + x\"", "pressure = \"exp(8*(7 - z))\"")
+        .replace("stations = 9", "stations = 9\nplaces = 3");
+    let whole = "[[section]]\nname = \"whole\"\nbody = \"wall\"\nsides = [\"inner\", \"outer\"]\nstations = 9\n";
+    let probe = |name: &str, quantity: &str| {
+        format!("[[probe]]\nname = \"{name}\"\nquantity = \"{quantity}\"\nreduce = \"mean\"\n")
+    };
+    let names = ["cut.N", "whole.N", "cut.V2", "whole.V2", "cut.M", "whole.M"];
+    let probes: String = names.iter().map(|name| probe(name, name)).collect();
+    let solution = in_space(&(text + whole + &probes));
+    for pair in solution.probes.chunks(2) {
+        let [one, other] = [pair[0].value, pair[1].value];
+        assert!(
+            (one - other).abs() < 1e-9,
+            "{}: {one} {other}",
+            pair[0].name
+        );
+    }
+    let [cut, whole] = [&solution.sections[0], &solution.sections[1]];
+    for (one, other) in cut.mean().stations.iter().zip(&whole.stations) {
+        assert!((one.normal - other.normal).abs() < 1e-9 && (one.shear - other.shear).abs() < 1e-9);
+    }
+}

@@ -26,6 +26,7 @@ use crate::model::read::line::{
 };
 use crate::model::read::on_side::{OnSide, fitting};
 use crate::model::system::condition::Condition;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A smaller shape function is rounding: that node does not contribute to the value.
@@ -218,7 +219,14 @@ fn read<const D: usize>(
     };
     if let Parts::Section(of, field) = probe.quantity.parts {
         let section = &solution.sections[of];
-        return Ok(along_section(section, field, (probe.reading, &factor)));
+        // sums along the axis are those of whole cuts, whatever lies between the places
+        let summed = matches!(probe.reading, Reading::Mean | Reading::Integral);
+        let exact = summed && probe.factor.is_none() && field != SectionQuantity::Utilisation;
+        let section = match exact {
+            true => section.mean(),
+            false => Cow::Borrowed(section),
+        };
+        return Ok(along_section(&section, field, (probe.reading, &factor)));
     }
     if let Parts::Member(of) = probe.quantity.parts {
         let member = &solution.members[of];
