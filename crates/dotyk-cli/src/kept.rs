@@ -16,6 +16,9 @@ const SHARE: u32 = 20;
 /// Steps of shorter runs are not worth a file.
 const SHORTEST: Duration = Duration::from_secs(2);
 
+/// A folder without it is none of these.
+const SUMMARY: &str = "summary.json";
+
 /// Endings of the files in it.
 const ENDINGS: [&str; 6] = ["vtu", "vtm", "pvd", "csv", "json", "bin"];
 
@@ -48,7 +51,7 @@ impl Kept {
     /// Tells of steps that an interrupted run has left, unless this run goes on from there.
     pub fn tell(&self, from: Option<&Path>) {
         let goes_on = from.is_some_and(|from| same(from, &self.path));
-        if self.path.join("summary.json").is_file() && !goes_on {
+        if self.path.join(SUMMARY).is_file() && !goes_on {
             let path = self.path.display();
             warn(&[format!(
                 "an earlier run into this folder did not come to its end; what it finished is in {path}, and --from {path} goes on from there"
@@ -76,6 +79,9 @@ impl Kept {
 
     /// Removes them, the results being there, and their folder unless it has other files.
     pub fn remove(&self) {
+        if !self.path.join(SUMMARY).is_file() {
+            return;
+        }
         let entries = std::fs::read_dir(&self.path).into_iter().flatten();
         let files = entries.flatten().map(|entry| entry.path());
         let ours = |path: &PathBuf| {

@@ -160,7 +160,7 @@ def _numbers(solution: Solution) -> dict[str, float]:
     for _, kind, _ in _dotyk.members():
         numbers.update({f"{name}.force": float(part.force) for name, part in getattr(solution, kind).items()})
     for name, part in solution.sections.items():
-        for keys in (("N", "V"), ("M",), ("utilisation",)):
+        for keys in (("N", "V", "V2"), ("M", "M2", "T"), ("utilisation",)):
             ends: dict[str, float] = {}
             for key in keys:
                 values = [station[key] for station in part.stations if station.get(key) is not None]

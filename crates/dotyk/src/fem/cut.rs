@@ -146,55 +146,22 @@ impl Along {
 
     /// The values at the places of smooth forces per length of which these (levels,) are the integrals with the hats.
     ///
-    /// A hat with the moments m₀, m₁, m₂ about its level weighs the values at three levels so that polynomials of degree two are exact:
-    /// itself and its neighbours, at an end the two next ones; where steps are uneven so that lines are exact. Between levels the values are those of the parabola through three of them.
+    /// Between levels they are those of the parabola through three of them.
     fn values(&self, mut weighted: Vec<Resultant>) -> Vec<Resultant> {
-        let levels = &self.levels;
-        let Some(last) = levels.len().checked_sub(1) else {
+        let Some(last) = self.levels.len().checked_sub(1) else {
             return weighted;
         };
-        let step = |k: usize| levels[k + 1] - levels[k];
-        let even = |a: f64, b: f64| a < UNEVEN * b && b < UNEVEN * a;
-        // [before, itself, after] of each level
-        let mut rows: Vec<[f64; 3]> = (0..=last)
-            .map(|k| {
-                let (a, b) = match k {
-                    0 => (0.0, step(0)),
-                    _ if k == last => (step(k - 1), 0.0),
-                    _ => (step(k - 1), step(k)),
-                };
-                match (a, b) {
-                    (0.0, h) => [0.0, h / 3.0, h / 6.0],
-                    (h, 0.0) => [h / 6.0, h / 3.0, 0.0],
-                    _ if !even(a, b) => [a / 6.0, (a + b) / 3.0, b / 6.0],
-                    _ => {
-                        let (m1, m2) = ((b * b - a * a) / 6.0, (a.powi(3) + b.powi(3)) / 12.0);
-                        let after = (m2 + a * m1) / (b * (a + b));
-                        let before = (m2 - b * m1) / (a * (a + b));
-                        [before, 0.5 * (a + b) - before - after, after]
-                    }
-                }
-            })
-            .collect();
-        if last > 1 && even(step(0), step(1)) && even(step(last - 1), step(last - 2)) {
-            // the third weight of an end goes by the row beside it
-            let end = |near: f64, next: f64| {
-                let far = near + next;
-                let third = -near.powi(3) / 12.0 / (far * next);
-                let second = near / 6.0 - far * third / near;
-                [0.5 * near - second - third, second, third]
-            };
-            let [own, second, third] = end(step(0), step(1));
-            let part = third / rows[1][2];
-            rows[0] = [0.0, own - part * rows[1][0], second - part * rows[1][1]];
-            let beside = weighted[1];
-            weighted[0].join(-part, beside);
-            let [own, second, third] = end(step(last - 1), step(last - 2));
-            let part = third / rows[last - 1][0];
-            let beside = rows[last - 1];
-            rows[last] = [second - part * beside[1], own - part * beside[2], 0.0];
-            let beside = weighted[last - 1];
-            weighted[last].join(-part, beside);
+        let mut rows = self.weights();
+        // the third weight of an end goes by the row beside it, which has the same levels
+        for (end, beside, [near, far, third]) in [(0, 1, [1, 2, 0]), (last, last - 1, [1, 0, 2])] {
+            if rows[end][third] != 0.0 {
+                let part = rows[end][third] / rows[beside][far];
+                let (row, above) = (rows[beside], weighted[beside]);
+                rows[end][near] -= part * row[third];
+                rows[end][far] -= part * row[near];
+                rows[end][third] = 0.0;
+                weighted[end].join(-part, above);
+            }
         }
         for k in 1..=last {
             let factor = rows[k][0] / rows[k - 1][1];
@@ -217,6 +184,44 @@ impl Along {
             sum
         };
         self.places.iter().map(at).collect()
+    }
+
+    /// The weights [before, own, after] of values in the integral with the hat of each level, by its moments m₀, m₁, m₂ about it: exact for
+    /// polynomials of degree two, where steps are uneven for lines. An end has no neighbour on one side: the weight there is that of the
+    /// level behind its only neighbour.
+    fn weights(&self) -> Vec<[f64; 3]> {
+        let levels = &self.levels;
+        let last = levels.len() - 1;
+        let step = |k: usize| levels[k + 1] - levels[k];
+        let even = |a: f64, b: f64| a < UNEVEN * b && b < UNEVEN * a;
+        let end = |near: f64, next: Option<f64>| match next {
+            Some(next) if even(near, next) => {
+                let far = near + next;
+                let third = -near.powi(3) / 12.0 / (far * next);
+                let second = near / 6.0 - far * third / near;
+                [0.5 * near - second - third, second, third]
+            }
+            _ => [near / 3.0, near / 6.0, 0.0],
+        };
+        let row = |k: usize| {
+            if k == 0 {
+                let [own, second, third] = end(step(0), (last > 1).then(|| step(1)));
+                return [third, own, second];
+            }
+            if k == last {
+                let [own, second, third] = end(step(k - 1), (last > 1).then(|| step(k - 2)));
+                return [second, own, third];
+            }
+            let (a, b) = (step(k - 1), step(k));
+            if !even(a, b) {
+                return [a / 6.0, (a + b) / 3.0, b / 6.0];
+            }
+            let (m1, m2) = ((b * b - a * a) / 6.0, (a.powi(3) + b.powi(3)) / 12.0);
+            let after = (m2 + a * m1) / (b * (a + b));
+            let before = (m2 - b * m1) / (a * (a + b));
+            [before, 0.5 * (a + b) - before - after, after]
+        };
+        (0..=last).map(row).collect()
     }
 
     /// Levels with their parts in the parabola through the three around a place, or in the line through two.
@@ -440,7 +445,7 @@ impl<'a, const D: usize> Ahead<'a, D> {
             let along = |force: &Point<D>| dot(*force, axes.axis()) != 0.0;
             let on_ends = facets.iter().all(across) && push.forces.values().any(along);
             if on_ends {
-                take_normal_stress(mesh, &facets, &cells, &mut forces)?;
+                take_normal_stress(mesh, &facets, (&cells, axes.axis()), &mut forces)?;
             }
             pushed.push(Pushed {
                 traction: traction_of((body, analysis), &facets, &forces),
@@ -640,8 +645,15 @@ impl<'a, const D: usize> Ahead<'a, D> {
         let mesh = &self.body.mesh;
         let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
         let kind = mesh.facet_kind(facet);
+        let mut pushed = self.pushed.iter();
+        let on_ends = pushed.any(|p| p.on_ends && p.facets.contains(&facet));
         for (ahead, rule) in self.parts_of_facet(divide, facet) {
-            for (xi, weight) in rule {
+            let places: Vec<[f64; 3]> = rule.iter().map(|(xi, _)| *xi).collect();
+            let of_cell = match on_ends {
+                true => normal_stresses(mesh, &self.cells, (facet, &places), self.axes.axis())?,
+                false => vec![0.0; rule.len()],
+            };
+            for ((xi, weight), of_cell) in rule.into_iter().zip(of_cell) {
                 let (point, normal) = (
                     mesh.facet_point(facet, &xi),
                     mesh.outward_normal(facet, &xi),
@@ -651,12 +663,10 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 let mut shape = [0.0; MAX_FACET_NODES];
                 kind.shape(&xi, &mut shape);
                 let normal = normal.map(|n| n / size);
-                let force = self.traction((facet, &xi), (point, normal), &shape)?;
+                let force = self.traction((facet, &xi), (point, normal), (&shape, of_cell));
                 let force = self.axes.local(force);
                 for (&node, n) in nodes.iter().zip(shape) {
-                    let part =
-                        f64::from(u8::from(ahead)) - f64::from(u8::from(rises[node as usize]));
-                    if part != 0.0 {
+                    if let Some(part) = step_less_rise(ahead, rises[node as usize]) {
                         sum.add(part * area * n, self.at(node), force);
                     }
                 }
@@ -697,13 +707,13 @@ impl<'a, const D: usize> Ahead<'a, D> {
         springs.filter(move |sprung| sprung.facets.binary_search(&facet).is_ok())
     }
 
-    /// Force per area at a place of a facet, its point and normal, given by its shape functions.
+    /// Force per area at a place of a facet, its point and normal, given by its shape functions and the normal stress of its cell.
     fn traction(
         &self,
         (facet, xi): (Facet, &[f64]),
         (point, normal): (Point<D>, Point<D>),
-        shape: &[f64],
-    ) -> Result<Point<D>, FemError> {
+        (shape, of_cell): (&[f64], f64),
+    ) -> Point<D> {
         let of_facet = |values: &[Point<D>]| {
             let nodes = self.body.mesh.facet_nodes(facet).zip(shape);
             nodes.fold([0.0; D], |sum, (node, &n)| {
@@ -723,11 +733,10 @@ impl<'a, const D: usize> Ahead<'a, D> {
         for pushed in self.pushed.iter().filter(|p| p.facets.contains(&facet)) {
             sum = add_scaled(sum, 1.0, of_facet(&pushed.traction));
             if pushed.on_ends {
-                let stress = normal_stress(&self.body.mesh, &self.cells, (facet, xi), normal)?;
-                sum = add_scaled(sum, stress, normal);
+                sum = add_scaled(sum, of_cell, normal);
             }
         }
-        Ok(sum)
+        sum
     }
 
     /// −∫(φ − H) f over a cell, with axial symmetry −∫ H σ_θ/r, whose other part is in the nodal forces, and with levels along the
@@ -802,12 +811,20 @@ impl<'a, const D: usize> Ahead<'a, D> {
                 std::array::from_fn(|i| self.body.body_force[i].at(point, self.time));
             let force = self.axes.local(force);
             for (&node, n) in nodes.iter().zip(table.shape(q)) {
-                let part = f64::from(u8::from(ahead)) - f64::from(u8::from(rises[node as usize]));
-                if part != 0.0 {
+                if let Some(part) = step_less_rise(ahead, rises[node as usize]) {
                     sum.add(part * volume * n, self.at(node), force);
                 }
             }
         }
+    }
+}
+
+/// H − φ of a node, if it is not zero.
+fn step_less_rise(ahead: bool, rises: bool) -> Option<f64> {
+    match (ahead, rises) {
+        (true, false) => Some(1.0),
+        (false, true) => Some(-1.0),
+        _ => None,
     }
 }
 
@@ -824,24 +841,27 @@ fn is_across<const D: usize>(mesh: &Mesh<D>, facet: Facet, axis: Point<D>) -> bo
     })
 }
 
-/// n·σn of its cell at a place of a facet with the normal n.
-fn normal_stress<const D: usize>(
+/// n·σn of its cell at places of a plane facet across a direction n.
+fn normal_stresses<const D: usize>(
     mesh: &Mesh<D>,
     cells: &CellForces<'_, D>,
-    (facet, xi): (Facet, &[f64]),
-    normal: Point<D>,
-) -> Result<f64, FemError> {
+    (facet, places): (Facet, &[[f64; 3]]),
+    n: Point<D>,
+) -> Result<Vec<f64>, FemError> {
     let (block, cell) = (facet.block as usize, facet.cell as usize);
     let kind = mesh.blocks()[block].kind;
     let (of_facet, local) = kind.facets()[facet.local as usize];
-    let mut shape = [0.0; MAX_FACET_NODES];
-    of_facet.shape(xi, &mut shape);
-    let nodes = local.iter().zip(shape);
-    let at = nodes.fold([0.0; 3], |sum, (&node, n)| {
-        add_scaled(sum, n, kind.reference_nodes()[node])
-    });
-    let stress = cells.normal_stress(block, cell, (&vec![(at, 1.0)], normal))?;
-    Ok(stress[0])
+    let in_cell = |xi: &[f64; 3]| {
+        let mut shape = [0.0; MAX_FACET_NODES];
+        of_facet.shape(xi, &mut shape);
+        let nodes = local.iter().zip(shape);
+        let at = nodes.fold([0.0; 3], |sum, (&node, n)| {
+            add_scaled(sum, n, kind.reference_nodes()[node])
+        });
+        (at, 1.0)
+    };
+    let rule: Rule = places.iter().map(in_cell).collect();
+    cells.normal_stress(block, cell, (&rule, n))
 }
 
 /// Takes from nodal forces on the ends of a body those of the normal stress of its cells.
@@ -852,21 +872,22 @@ fn normal_stress<const D: usize>(
 fn take_normal_stress<const D: usize>(
     mesh: &Mesh<D>,
     facets: &BTreeSet<Facet>,
-    cells: &CellForces<'_, D>,
+    (cells, axis): (&CellForces<'_, D>, Point<D>),
     forces: &mut [Point<D>],
 ) -> Result<(), FemError> {
     for &facet in facets {
         let kind = mesh.facet_kind(facet);
-        for QuadraturePoint { xi, weight } in quadrature::rule(kind, MASS_DEGREE) {
-            let normal = mesh.outward_normal(facet, &xi);
-            let size = norm(normal);
-            let unit = normal.map(|n| n / size);
-            let stress = normal_stress(mesh, cells, (facet, &xi), unit)?;
+        let rule = quadrature::rule(kind, MASS_DEGREE);
+        let places: Vec<[f64; 3]> = rule.iter().map(|point| point.xi).collect();
+        let stresses = normal_stresses(mesh, cells, (facet, &places), axis)?;
+        for (QuadraturePoint { xi, weight }, stress) in rule.iter().zip(stresses) {
+            // as long as the facet is large there
+            let normal = mesh.outward_normal(facet, xi);
             let mut shape = [0.0; MAX_FACET_NODES];
-            kind.shape(&xi, &mut shape);
+            kind.shape(xi, &mut shape);
             for (node, n) in mesh.facet_nodes(facet).zip(shape) {
                 let force = &mut forces[node as usize];
-                *force = add_scaled(*force, -weight * size * stress * n, unit);
+                *force = add_scaled(*force, -weight * stress * n, normal);
             }
         }
     }
@@ -1087,41 +1108,21 @@ fn divided_by(triangle: bool, distance: impl Fn(f64, f64) -> f64, points: usize)
 
 /// Tetrahedra of which a reference cell consists.
 fn tetrahedra(domain: Domain) -> Vec<[[f64; 3]; 4]> {
-    let of = |corners: &[[f64; 3]], all: &[[usize; 4]]| {
-        all.iter().map(|four| four.map(|k| corners[k])).collect()
+    // a cube around its diagonal
+    let corners: &[[usize; 4]] = match domain {
+        Domain::Cube => &[
+            [0, 1, 2, 6],
+            [0, 2, 3, 6],
+            [0, 3, 7, 6],
+            [0, 7, 4, 6],
+            [0, 4, 5, 6],
+            [0, 5, 1, 6],
+        ],
+        Domain::Prism => &[[0, 1, 2, 3], [1, 2, 3, 4], [2, 3, 4, 5]],
+        _ => &[[0, 1, 2, 3]],
     };
-    match domain {
-        Domain::Cube => {
-            let sign = |k: usize, bit: usize| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            let corners: Vec<[f64; 3]> =
-                (0..8).map(|k| [0, 1, 2].map(|bit| sign(k, bit))).collect();
-            // around the diagonal from 0 to 7
-            let around = [
-                [0, 1, 3, 7],
-                [0, 3, 2, 7],
-                [0, 2, 6, 7],
-                [0, 6, 4, 7],
-                [0, 4, 5, 7],
-                [0, 5, 1, 7],
-            ];
-            of(&corners, &around)
-        }
-        Domain::Prism => {
-            let corners = [
-                [0.0, 0.0, -1.0],
-                [1.0, 0.0, -1.0],
-                [0.0, 1.0, -1.0],
-                [0.0, 0.0, 1.0],
-                [1.0, 0.0, 1.0],
-                [0.0, 1.0, 1.0],
-            ];
-            of(&corners, &[[0, 1, 2, 3], [1, 2, 3, 4], [2, 3, 4, 5]])
-        }
-        _ => of(
-            &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            &[[0, 1, 2, 3]],
-        ),
-    }
+    let nodes = domain.linear().reference_nodes();
+    corners.iter().map(|four| four.map(|k| nodes[k])).collect()
 }
 
 /// Most times that a tetrahedron is divided into eight where the distance is not linear in it, and the part of the distances of a
@@ -1266,6 +1267,80 @@ fn cut_tetrahedron(corners: [[f64; 3]; 4], values: [f64; 4], parts: &mut [Rule; 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_along_an_axis_are_those_of_their_integrals_with_the_hats() {
+        let polynomial = |degree: i32, z: f64| 2.0 - z + 0.7 * z.powi(degree);
+        // even ones bear parabolas, uneven ones lines; two levels lines
+        for (levels, degree) in [
+            (vec![-1.0, 0.5], 1),
+            (vec![0.0, 0.4, 0.9], 2),
+            (vec![-1.0, -0.7, -0.3, 0.2, 0.6, 0.9], 2),
+            (vec![0.0, 0.1, 1.0, 1.2], 1),
+            (vec![0.0, 0.5, 1.0, 3.0], 1),
+        ] {
+            let (first, last) = (levels[0], levels[levels.len() - 1]);
+            let along = Along {
+                middle: 0.0,
+                places: vec![first, 0.3 * first + 0.7 * last, last],
+                levels: levels.clone(),
+            };
+            let mut weighted = vec![Resultant::default(); levels.len()];
+            for pair in levels.windows(2) {
+                let half = 0.5 * (pair[1] - pair[0]);
+                for (x, weight) in gauss(4) {
+                    let z = pair[0] + half * (1.0 + x);
+                    for (k, hat) in along.hats(z) {
+                        weighted[k].force[0] += weight * half * hat * polynomial(degree, z);
+                    }
+                }
+            }
+            let values = along.values(weighted);
+            for (place, value) in along.places.iter().zip(values) {
+                let error = value.force[0] - polynomial(degree, *place);
+                assert!(error.abs() < 1e-12, "{levels:?} at {place}: {error:.1e}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_divided_solid_keeps_its_volume_and_its_centroid() {
+        // a plane through all kinds of cells, and one along one of their coordinates
+        for plane in [[0.7, -1.0, 0.4, 0.1], [0.8, 0.3, 0.0, -0.1]] {
+            for kind in [
+                CellKind::Tet4,
+                CellKind::Tet10,
+                CellKind::Hex8,
+                CellKind::Hex20,
+                CellKind::Hex27,
+                CellKind::Prism6,
+                CellKind::Prism15,
+            ] {
+                let ahead = |x: &[f64; 3]| dot([plane[0], plane[1], plane[2]], *x) + plane[3];
+                let nodes = kind.reference_nodes().iter();
+                let parts = divided_solid(kind, &nodes.map(ahead).collect::<Vec<_>>());
+                let sum = |f: &dyn Fn(&[f64; 3]) -> f64| -> f64 {
+                    parts.iter().flatten().map(|(x, w)| w * f(x)).sum()
+                };
+                let volume = kind.domain().volume();
+                assert!((sum(&|_| 1.0) - volume).abs() < 1e-12, "{kind:?}");
+                let centre = kind.domain().centre();
+                for axis in 0..3 {
+                    assert!((sum(&|x| x[axis]) - centre[axis] * volume).abs() < 1e-12);
+                }
+                for (part, sign) in parts.iter().zip([-1.0, 1.0]) {
+                    assert!(!part.is_empty());
+                    // a corner of the cube lies on the plane to rounding
+                    let beside = |(x, _): &([f64; 3], f64)| sign * ahead(x) > -1e-14;
+                    assert!(part.iter().all(beside), "{kind:?}");
+                }
+            }
+        }
+        // the corner x + y + z < 1/2 of a tetrahedron is an eighth of it
+        let [behind, _] = divided_solid(CellKind::Tet4, &[-0.5, 0.5, 0.5, 0.5]);
+        let volume: f64 = behind.iter().map(|(_, w)| w).sum();
+        assert!((volume - 1.0 / 48.0).abs() < 1e-14);
+    }
 
     #[test]
     fn a_divided_cell_keeps_its_area_and_its_centroid() {

@@ -107,7 +107,7 @@ impl<'a, const D: usize> CellForces<'a, D> {
         Some(&all[cell * count..(cell + 1) * count])
     }
 
-    /// Forces of a part of a cell on its nodes: ∫σ·∇Nₐ over the points of a rule in it.
+    /// Forces of a part of a cell in space on its nodes: ∫σ·∇Nₐ over the points of a rule in it.
     ///
     /// Errors: an initial stress or strain that is not finite.
     pub fn of_part(

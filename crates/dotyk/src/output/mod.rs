@@ -275,14 +275,14 @@ macro_rules! doors {
             /// and its `lines.csv`, `sections.csv`, `beds.csv`, files of members and `state.bin`.
             /// Errors: any [`Error`]; then the folder is as it was before.
             pub fn write(&self, folder: &Folder) -> Result<Written, Error> {
-                write(self, folder, true)
+                write(self, folder)
             }
 
             /// The same without the report: what a run that goes on from here reads.
             ///
             /// Errors: as [`Self::write`].
             pub fn write_unfinished(&self, folder: &Folder) -> Result<Written, Error> {
-                write(self, folder, false)
+                write_files(self, folder, false)
             }
 
             /// Writes `summary.json` alone, with `"converged": false`, and removes the other result files of an earlier run of this
@@ -393,7 +393,12 @@ macro_rules! doors {
 doors!(2 3);
 
 /// As [`Record::<2>::write`](Record).
-fn write<const D: usize>(
+fn write<const D: usize>(record: &Record<'_, D>, folder: &Folder) -> Result<Written, Error> {
+    write_files(record, folder, true)
+}
+
+/// All files, the report among them or not.
+fn write_files<const D: usize>(
     record: &Record<'_, D>,
     folder: &Folder,
     with_report: bool,
@@ -608,14 +613,6 @@ mod tests {
     use std::fs;
     use std::slice::from_ref;
 
-    /// All files, the report among them.
-    fn write_all<const D: usize>(
-        record: &Record<'_, D>,
-        folder: &Folder,
-    ) -> Result<Written, Error> {
-        write(record, folder, true)
-    }
-
     fn held(dir: &Path) -> Folder {
         Folder::hold(dir).unwrap()
     }
@@ -630,8 +627,7 @@ mod tests {
         fs::write(scratch.path().join("notes.txt"), b"mine").unwrap();
         fs::write(scratch.path().join("contact.csv"), b"old").unwrap();
         let (model, solution) = tunnel::solved();
-        let written =
-            write_all(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap();
+        let written = write(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap();
         let mut expected = vec![
             "case.pvd",
             "case.vtm",
@@ -659,7 +655,7 @@ mod tests {
         let dir = scratch.path();
         fs::write(dir.join("ring_0009.vtu"), b"mine").unwrap();
         let three = vec![solution.clone(); 3];
-        write_all(&record(&model, &three), &held(dir)).unwrap();
+        write(&record(&model, &three), &held(dir)).unwrap();
         let fields = |dir: &Path| -> Vec<String> {
             let all = names(dir).into_iter();
             all.filter(|n| n.ends_with(".vtu")).collect()
@@ -667,7 +663,7 @@ mod tests {
         let of_three = ["ring_0001.vtu", "ring_0002.vtu", "ring_0003.vtu"];
         assert_eq!(fields(dir)[..3], of_three);
         assert_eq!(fields(dir).len(), 7);
-        write_all(&record(&model, &three[..2]), &held(dir)).unwrap();
+        write(&record(&model, &three[..2]), &held(dir)).unwrap();
         let two = [
             "ring_0001.vtu",
             "ring_0002.vtu",
@@ -677,11 +673,11 @@ mod tests {
         ];
         assert_eq!(fields(dir), two);
         assert!(dir.join("case_0002.vtm").exists() && !dir.join("case_0003.vtm").exists());
-        write_all(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
+        write(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
         assert_eq!(fields(dir), ["ring.vtu", "ring_0009.vtu", "rock.vtu"]);
         write_summary(&record(&model, &three), &held(dir)).unwrap();
         assert_eq!(names(dir), ["ring_0009.vtu", "summary.json"]);
-        let empty = write_all(&record(&model, &[]), &held(dir)).unwrap_err();
+        let empty = write(&record(&model, &[]), &held(dir)).unwrap_err();
         assert!(empty.to_string().contains("0 steps"), "{empty}");
     }
 
@@ -700,15 +696,15 @@ mod tests {
         with.probes[0].line = vec![place];
         let (dir, file) = (scratch.path(), scratch.path().join(LINES));
         let both = [with.clone(), with];
-        write_all(&record(&model, &both), &held(dir)).unwrap();
+        write(&record(&model, &both), &held(dir)).unwrap();
         let text = fs::read_to_string(&file).unwrap();
         let row = "\"one, \"\"two\"\"\",0.1,1.0,0.0,NaN\n";
         assert_eq!(text, format!("{},value\n1,{row}2,{row}", csv::LINES_HEAD));
-        write_all(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
+        write(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
         assert!(!file.exists());
         // a foreign file
         fs::write(&file, b"mine").unwrap();
-        write_all(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
+        write(&record(&model, from_ref(&solution)), &held(dir)).unwrap();
         assert_eq!(fs::read(&file).unwrap(), b"mine");
     }
 
@@ -719,7 +715,7 @@ mod tests {
         // The last file cannot get its name.
         let dir = scratch.path().join("out");
         fs::create_dir_all(dir.join("report.html")).unwrap();
-        let error = write_all(&record(&model, from_ref(&solution)), &held(&dir)).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), &held(&dir)).unwrap_err();
         assert!(matches!(error, Error::IsADirectory { .. }), "{error}");
         assert_eq!(names(&dir), ["report.html"]);
 
@@ -737,7 +733,7 @@ mod tests {
     fn a_failed_run_leaves_its_summary_only() {
         let scratch = tunnel::Scratch::new("summary");
         let (model, solution) = tunnel::solved();
-        write_all(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap();
+        write(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap();
         write_summary(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap();
         assert_eq!(names(scratch.path()), ["summary.json"]);
         let text = fs::read_to_string(scratch.path().join("summary.json")).unwrap();
@@ -749,12 +745,10 @@ mod tests {
         let scratch = tunnel::Scratch::new("names");
         let (mut model, mut solution) = tunnel::solved();
         solution.bodies[1].von_mises.pop();
-        let error =
-            write_all(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap_err();
         assert!(error.to_string().contains("nodes of body rock"), "{error}");
         model.bodies[0].name = "../ring".to_string();
-        let error =
-            write_all(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap_err();
+        let error = write(&record(&model, from_ref(&solution)), &held(scratch.path())).unwrap_err();
         assert!(matches!(error, Error::Name { .. }), "{error}");
         assert!(names(scratch.path()).is_empty());
     }

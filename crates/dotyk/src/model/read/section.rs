@@ -172,7 +172,22 @@ impl<const D: usize> Section<D> {
         })
     }
 
-    /// Errors: with places along the axis, a long side with openings between its ends: its area is less than that of its profile, carried
+    /// The sides along one of its long sides, of bodies present or not.
+    fn sides_along<'m>(
+        &'m self,
+        long: usize,
+        (bodies, absent): (&'m [Body<D>], &'m [Absent<D>]),
+    ) -> impl Iterator<Item = (&'m Mesh<D>, &'m str)> {
+        let own = self.sides[long].iter();
+        let own = own.map(|own| (&*bodies[own.body.0].mesh, own.side.as_str()));
+        let gone = absent.iter().flat_map(move |gone| {
+            let sides = gone.sides[long].iter();
+            sides.map(|side| (&*gone.mesh, side.as_str()))
+        });
+        own.chain(gone)
+    }
+
+    /// Refuses openings in a long side where forces are told at places along the axis: its area is less than that of its profile, carried
     /// along.
     fn check_openings(
         &self,
@@ -183,18 +198,11 @@ impl<const D: usize> Section<D> {
         let Some([from, to]) = reach.ends.filter(|_| self.places > 1) else {
             return Ok(());
         };
-        for side in 0..2 {
-            let own = self.sides[side].iter();
-            let own = own.map(|own| (&*bodies[own.body.0].mesh, own.side.as_str()));
-            let gone = absent.iter().flat_map(|gone| {
-                let sides = gone.sides[side].iter();
-                sides.map(|side| (&*gone.mesh, side.as_str()))
-            });
-            let all = own.chain(gone);
-            let area = all.map(|(mesh, side)| size_of(mesh, side));
-            let lines = lines[side].iter();
-            let line = lines.map(|(mesh, side)| size_of(mesh, side));
-            let part = 1.0 - area.sum::<f64>() / (line.sum::<f64>() * (to - from));
+        for (side, line) in lines.iter().enumerate() {
+            let all = self.sides_along(side, (bodies, absent));
+            let area: f64 = all.map(|(mesh, side)| size_of(mesh, side)).sum();
+            let line = line.iter().map(|(mesh, side)| size_of(mesh, side));
+            let part = 1.0 - area / (line.sum::<f64>() * (to - from));
             if part > OPENING {
                 return Err(ExtrudedError::Openings { side, part }.into());
             }
@@ -216,13 +224,8 @@ impl<const D: usize> Section<D> {
                 _ => Err(SectionError::Plane),
             };
         }
-        let own = self.sides.iter().flatten();
-        let own = own.map(|side| (&*bodies[side.body.0].mesh, side.side.as_str()));
-        let gone = absent.iter().flat_map(|absent| {
-            let sides = absent.sides.iter().flatten();
-            sides.map(|side| (&*absent.mesh, side.as_str()))
-        });
-        let facets = own.chain(gone).map(|(mesh, side)| {
+        let all = (0..2).flat_map(|long| self.sides_along(long, (bodies, absent)));
+        let facets = all.map(|(mesh, side)| {
             let unknown = || StripError::Unknown(side.to_string());
             Ok((mesh, mesh.side(side).ok_or_else(unknown)?))
         });
