@@ -1,10 +1,10 @@
 //! Bad input: one clear message on standard error, underlined in its file where it has a place.
 
-use crate::text::{colours, red, shown};
+use crate::text::{colours, red, shown, tell};
 use dotyk::case::CaseError;
 use dotyk::output;
 use std::fmt;
-use std::io::Write;
+
 use std::path::Path;
 
 /// Why a command refuses to go on.
@@ -43,8 +43,7 @@ impl Failure {
     pub fn print(self) {
         let coloured = colours(&std::io::stderr());
         let rendered = self.rendered(coloured);
-        // An error is ignored: standard error is closed.
-        let _ = std::io::stderr().write_all(shown(&rendered, coloured).as_bytes());
+        tell(&shown(&rendered, coloured));
     }
 
     fn rendered(&self, colours: bool) -> String {
@@ -104,8 +103,7 @@ fn underlined(error: &CaseError, colours: bool) -> String {
 /// Warnings of a result, one line each.
 pub fn warn(warnings: &[String]) {
     let lines: String = warnings.iter().map(|w| format!("warning: {w}\n")).collect();
-    // As above.
-    let _ = std::io::stderr().write_all(shown(&lines, false).as_bytes());
+    tell(&shown(&lines, false));
 }
 
 #[cfg(test)]

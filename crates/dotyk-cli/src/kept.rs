@@ -16,6 +16,9 @@ const SHARE: u32 = 20;
 /// Steps of shorter runs are not worth a file.
 const SHORTEST: Duration = Duration::from_secs(2);
 
+/// End of the name of the folder.
+const ENDING: &str = ".unfinished";
+
 /// A folder without it is none of these.
 const SUMMARY: &str = "summary.json";
 
@@ -48,8 +51,14 @@ impl Kept {
         }
     }
 
-    /// Tells of steps that an interrupted run has left, unless this run goes on from there.
+    /// Tells of steps that an interrupted run has left, unless this run goes on from there, or that it has left none.
     pub fn tell(&self, from: Option<&Path>) {
+        if let Some(bare) = from.filter(|from| is_bare(from)) {
+            warn(&[format!(
+                "the run that made {} was ended before it had finished a step: this one starts from the beginning",
+                bare.display()
+            )]);
+        }
         let goes_on = from.is_some_and(|from| same(from, &self.path));
         if self.path.join(SUMMARY).is_file() && !goes_on {
             let path = self.path.display();
@@ -80,6 +89,8 @@ impl Kept {
     /// Removes them, the results being there, and their folder unless it has other files.
     pub fn remove(&self) {
         if !self.path.join(SUMMARY).is_file() {
+            // one that a killed run made, and nothing in it
+            let _ = std::fs::remove_dir(&self.path);
             return;
         }
         let entries = std::fs::read_dir(&self.path).into_iter().flatten();
@@ -96,6 +107,13 @@ impl Kept {
     }
 }
 
+/// Whether a run has made this folder for its finished steps and was killed before it had put any there.
+pub fn is_bare(folder: &Path) -> bool {
+    let name = folder.file_name().unwrap_or_default().as_encoded_bytes();
+    let mut entries = std::fs::read_dir(folder).into_iter().flatten();
+    name.ends_with(ENDING.as_bytes()) && folder.is_dir() && entries.next().is_none()
+}
+
 /// FOLDER.unfinished.
 fn path_beside(results: &Path) -> PathBuf {
     let whole = results.canonicalize();
@@ -104,7 +122,7 @@ fn path_beside(results: &Path) -> PathBuf {
         None => whole.as_deref().unwrap_or(results),
     };
     let mut name = named.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(".unfinished");
+    name.push(ENDING);
     named.with_file_name(name)
 }
 

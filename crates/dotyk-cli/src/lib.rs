@@ -31,10 +31,10 @@ mod text;
 mod verify;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use dotyk::host::team;
 use failure::Failure;
 use std::error::Error;
 use std::ffi::OsString;
-use std::io::Write;
 
 /// Elastic contact mechanics: bodies pressed against each other, with a certificate for every answer.
 #[derive(Parser)]
@@ -75,6 +75,26 @@ enum Command {
     },
 }
 
+/// Solve cases on several processes: `mpirun -n 4 dotyk-mpi run CASE.toml`.
+#[derive(Parser)]
+#[command(
+    name = "dotyk-mpi",
+    version,
+    after_help = "Bodies in pieces are shared out, those that `subdomains` under [solver] divides, and large ones without it.\n\
+                  For all other commands use `dotyk`.\n\
+                  Exit status: 0 done, 1 not converged, 2 bad input."
+)]
+struct Several {
+    #[command(subcommand)]
+    command: OfSeveral,
+}
+
+#[derive(Subcommand)]
+enum OfSeveral {
+    /// Solve cases, write their results and reports
+    Run(run::Arguments),
+}
+
 /// How a command ended, the better first.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Outcome {
@@ -90,6 +110,23 @@ const STACK: usize = 16 << 20;
 /// Runs the command with its arguments, its own name the first of them, and returns the exit status.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     on_a_large_stack(arguments, of_arguments)
+}
+
+/// The same for `dotyk-mpi`, in a process that works in a team.
+pub fn several(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    on_a_large_stack(arguments, |arguments| {
+        match Several::try_parse_from(arguments) {
+            Ok(Several {
+                command: OfSeveral::Run(arguments),
+            }) => status(Command::Run(arguments)),
+            Err(told) => status_of_parser(&told),
+        }
+    })
+}
+
+/// What a process of a team did not print on standard error, because the first one prints what all have to say.
+pub fn unsaid() -> String {
+    text::unsaid().clone()
 }
 
 /// The same for `dotyk-ccx`, which is called as CalculiX is.
@@ -144,8 +181,7 @@ fn tell(told: &clap::Error) -> Result<(), Failure> {
         false => text::shown(&plain, false).into_owned(),
     };
     if to_errors {
-        // an error is ignored: standard error is closed
-        let _ = std::io::stderr().write_all(words.as_bytes());
+        text::tell(&words);
         return Ok(());
     }
     text::put(&words)
@@ -161,8 +197,8 @@ fn start_threads(command: &Command) -> Result<(), Failure> {
     };
     let pool = dotyk::host::threads(wanted.map(usize::from)).map_err(Failure::Message)?;
     match pool.build_global() {
-        // a program that includes this one may have started its own threads
-        Err(e) if wanted.is_some() || e.source().is_some() => {
+        // a program that includes this one may have started its own threads; what a team joins is paired by its order on one thread
+        Err(e) if wanted.is_some() || e.source().is_some() || team().size() > 1 => {
             Err(Failure::Message(format!("cannot start threads: {e}")))
         }
         _ => Ok(()),

@@ -1,5 +1,6 @@
 //! Progress on standard error: silent unless it is a terminal.
 
+use crate::text::is_silent;
 use dotyk::model::{Event, HistoryPoint, Work};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt;
@@ -20,7 +21,7 @@ pub struct Progress {
 
 /// A line that is drawn on terminals, unless `quiet`.
 fn bar(length: Option<u64>, quiet: bool) -> ProgressBar {
-    let visible = !quiet && std::io::stderr().is_terminal();
+    let visible = !quiet && !is_silent() && std::io::stderr().is_terminal();
     let target = if visible {
         ProgressDrawTarget::stderr()
     } else {

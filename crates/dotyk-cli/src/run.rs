@@ -3,9 +3,11 @@
 use crate::Outcome;
 use crate::failure::{Failure, warn};
 use crate::given::{Given, Input, located};
-use crate::kept::Kept;
+use crate::kept::{Kept, is_bare};
 use crate::progress::Progress;
 use crate::text::{columns, named, number, print, vector};
+use dotyk::case::Case;
+use dotyk::host::{alike, all_done, team};
 use dotyk::model::{
     Analysis, BedSolution, BodySolution, ContactSolution, Dimension, MemberSolution, Method, Model,
     ProbeValue, Solution, StressAt, check_file_names,
@@ -158,17 +160,18 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
                 method.name()
             ))
         })?;
-        let past = arguments.from.as_deref().map(|dir| case.model.past(dir));
-        let past = past.transpose();
+        let from = arguments.from.as_deref().filter(|dir| !is_bare(dir));
+        let past = from.map(|dir| case.model.past(dir)).transpose();
         let past = past.map_err(|e| Failure::Message(e.to_string()))?;
-        let folder = Folder::hold(&folder).map_err(Failure::of_output)?;
+        compared(&case)?;
+        let held = hold(&folder)?;
 
         let past = past.unwrap_or_default();
-        let kept = Kept::beside(folder.path(), past.len(), arguments.keep_every);
+        let kept = Kept::beside(&folder, past.len(), arguments.keep_every);
         kept.tell(arguments.from.as_deref());
         let all = case.model.times.len();
         let keep = |steps: &[Solution<_>]| {
-            if steps.len() < all {
+            if held.is_some() && steps.len() < all {
                 let record = output::Record::of(&case.model, steps, &case.stem);
                 kept.after(steps.len(), |folder| {
                     record.write_unfinished(folder).map(drop)
@@ -211,31 +214,33 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
                 Some(_) => &[],
             },
         };
-        if steps.last().is_some_and(|last| last.converged) {
-            let written = record.write(&folder).map_err(Failure::of_output)?;
-            kept.remove();
-            if let Some(apart) = &arguments.apart {
-                put_apart(apart, &beside)?;
-            }
-            if arguments.json {
-                print(&written.summary)?;
-            } else {
-                let heading = match arguments.cases.len() {
-                    1 => String::new(),
-                    _ => format!("{}\n", file.display()),
-                };
-                let results = results(&case.model, steps);
-                print(&(heading + &results + &named(&written.files)))?;
-            }
-        } else if !steps.is_empty() {
-            let written = record.write_summary(&folder).map_err(Failure::of_output)?;
-            for (name, _) in &beside {
-                // results of an earlier run; where there are none, nothing is to be removed
-                let _ = std::fs::remove_file(folder.path().join(name));
-            }
-            match arguments.json {
-                true => print(&written.summary)?,
-                false => print(&(verdict(&case.model, steps) + &named(&written.files)))?,
+        if let Some(folder) = &held {
+            if steps.last().is_some_and(|last| last.converged) {
+                let written = record.write(folder).map_err(Failure::of_output)?;
+                kept.remove();
+                if let Some(apart) = &arguments.apart {
+                    put_apart(apart, &beside)?;
+                }
+                if arguments.json {
+                    print(&written.summary)?;
+                } else {
+                    let heading = match arguments.cases.len() {
+                        1 => String::new(),
+                        _ => format!("{}\n", file.display()),
+                    };
+                    let results = results(&case.model, steps);
+                    print(&(heading + &results + &named(&written.files)))?;
+                }
+            } else if !steps.is_empty() {
+                let written = record.write_summary(folder).map_err(Failure::of_output)?;
+                for (name, _) in &beside {
+                    // results of an earlier run; where there are none, nothing is to be removed
+                    let _ = std::fs::remove_file(folder.path().join(name));
+                }
+                match arguments.json {
+                    true => print(&written.summary)?,
+                    false => print(&(verdict(&case.model, steps) + &named(&written.files)))?,
+                }
             }
         }
         let ended = run.to_string();
@@ -248,6 +253,39 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
             Some(Some(refusal)) => Err(located(deck.as_deref(), refusal).into()),
         }
     })
+}
+
+/// Errors: processes of a team that have read different files, from different disks or while they changed.
+fn compared<const D: usize>(case: &Case<D>) -> Result<(), Failure> {
+    if team().size() == 1 {
+        return Ok(());
+    }
+    let values = case.model.parameters.iter();
+    let values = values.map(|(name, value)| (name, value.to_bits()));
+    let asked = (
+        values.collect::<Vec<_>>(),
+        format!("{:?}", case.model.solver),
+    );
+    match alike((case.source().0, case.files(), asked)) {
+        true => Ok(()),
+        false => {
+            let told = "the processes have read different files: give them one case in a folder that all of them see";
+            Err(Failure::Message(told.to_string()))
+        }
+    }
+}
+
+/// The folder of the results, held by the first process of a team: the others write nothing.
+fn hold(folder: &Path) -> Result<Option<Folder>, Failure> {
+    let first = (team().rank() == 0).then(|| Folder::hold(folder));
+    let held = first.transpose().map_err(Failure::of_output);
+    match (all_done(held.is_ok()), held) {
+        (true, held) | (false, held @ Err(_)) => held,
+        (false, Ok(_)) => {
+            let told = "another process cannot go on";
+            Err(Failure::Message(told.to_string()))
+        }
+    }
 }
 
 /// Writes files into a folder, each whole or not at all.
@@ -313,11 +351,16 @@ fn results<const D: usize>(model: &Model<D>, steps: &[Solution<D>]) -> String {
     let Some(last) = steps.last() else {
         return String::new();
     };
+    let pieces = match last.division.subdomains {
+        count if count > model.bodies.len() => format!(" in {count} pieces"),
+        _ => String::new(),
+    };
     let mut text = format!(
-        "{}\n{}, {} bodies, {} dofs, {} contact unknowns{}\n",
+        "{}\n{}, {} bodies{}, {} dofs, {} contact unknowns{}\n",
         model.title,
         model.analysis.name(),
         model.bodies.len(),
+        pieces,
         last.dofs,
         last.contact_unknowns,
         units(model)

@@ -24,6 +24,9 @@ pub struct Arguments {
     /// Space the values of this parameter by equal ratios; may be repeated
     #[arg(long, value_name = "NAME")]
     log: Vec<String>,
+    /// Load steps in tables and plots: the last one of each combination, or all of them, each with a row
+    #[arg(long, value_name = "WHICH", default_value = "last")]
+    steps: Steps,
     /// Draw a probe or varied parameter against another one, of all such pairs one picture, study.svg; may be repeated
     #[arg(long, value_name = "X:Y")]
     plot: Vec<String>,
@@ -33,6 +36,13 @@ pub struct Arguments {
     /// No progress
     #[arg(long)]
     quiet: bool,
+}
+
+/// Which load steps are told.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Steps {
+    Last,
+    All,
 }
 
 /// Most members of a study.
@@ -142,14 +152,15 @@ fn all_varied(arguments: &Arguments) -> Result<Vec<Varied>, String> {
 pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
     let start = Instant::now();
     let varied = all_varied(arguments).map_err(Failure::Message)?;
+    let all_steps = arguments.steps == Steps::All;
     let case = arguments.given.read_case(&arguments.case)?;
     let (study, pairs, stem, folder) = of_any!(case, |case| {
         let folder = output_folder(arguments.out.as_deref(), &case.stem)?;
         warn(&case.warnings);
         say_what_is_no_column(&case.model);
-        if let Some(name) = taken(&case.model, &varied) {
+        if let Some(name) = Study::doubled(&case.model, &varied, all_steps) {
             let message = format!(
-                "a probe and another column of study.csv are both named `{name}`: rename the probe"
+                "two columns of study.csv are both named `{name}`: rename the probe or parameter"
             );
             return Err(Failure::of(&arguments.case, message));
         }
@@ -158,7 +169,11 @@ pub fn study(arguments: &Arguments) -> Result<Outcome, Failure> {
         let given = arguments.given.pairs();
         let study = case.study(given, varied, &|| count.one_more());
         count.finish();
-        (study?, pairs, case.stem, folder)
+        let study = Study {
+            all_steps,
+            ..study?
+        };
+        (study, pairs, case.stem, folder)
     });
     let files = output::write_study(&study, &pairs, &stem, &folder);
     let files = files.map_err(Failure::of_output)?;
@@ -230,15 +245,6 @@ fn say_what_is_no_column<const D: usize>(model: &Model<D>) {
     }
 }
 
-/// Name of a probe that is also the name of another column of the table.
-fn taken<'a, const D: usize>(model: &'a Model<D>, varied: &[Varied]) -> Option<&'a str> {
-    let mut names = model.probes.iter().map(|probe| probe.name.as_str());
-    let own = |name: &&str| {
-        ["converged", "reason"].contains(name) || varied.iter().any(|p| p.name == *name)
-    };
-    names.find(own)
-}
-
 /// Most warnings that are printed.
 const MOST_WARNINGS: usize = 6;
 
@@ -264,23 +270,22 @@ fn told(study: &Study) -> Vec<String> {
 const MOST_LINES: usize = 40;
 
 fn members(study: &Study) -> String {
-    let (all, half) = (study.members.len(), MOST_LINES / 2);
+    let told = study.rows();
+    let (all, half) = (told.len(), MOST_LINES / 2);
     let shown = |k: usize| all <= MOST_LINES || k < half || k >= all - half;
-    let members = study.members.iter().enumerate().filter(|(k, _)| shown(*k));
-    let rows: Vec<Vec<String>> = members
-        .map(|(_, member)| {
-            let values = member.values.iter().chain(&member.probes);
-            let values = values.map(|value| number(*value));
-            values.chain([member.reason.clone()]).collect()
+    let rows = told.iter().enumerate().filter(|(k, _)| shown(*k));
+    let rows: Vec<Vec<String>> = rows
+        .map(|(_, row)| {
+            let values = row.numbers().map(number);
+            values.chain([row.reason.to_string()]).collect()
         })
         .collect();
-    let names = study.varied.iter().map(|parameter| parameter.name.as_str());
-    let probes = study.probes.iter().map(|probe| probe.name.as_str());
-    let header: Vec<&str> = names.chain(probes).chain([""]).collect();
+    let header: Vec<&str> = study.heads().chain([""]).collect();
     let table = columns(&header, &rows, 0..header.len() - 1);
+    let what = if study.all_steps { "rows" } else { "members" };
     match all - rows.len() {
         0 => table,
-        more => format!("{table}{more} members between are left out: all are in study.csv\n"),
+        more => format!("{table}{more} {what} between are left out: all are in study.csv\n"),
     }
 }
 

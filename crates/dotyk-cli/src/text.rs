@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Writes a text to standard output without control characters for the terminal.
 ///
@@ -18,6 +19,9 @@ pub fn print(text: &str) -> Result<(), Failure> {
 ///
 /// Errors: any other failure to write, such as a full disk.
 pub fn put(text: &str) -> Result<(), Failure> {
+    if is_silent() {
+        return Ok(());
+    }
     let mut out = std::io::stdout().lock();
     let written = out.write_all(text.as_bytes());
     match written.and_then(|()| out.flush()) {
@@ -26,6 +30,29 @@ pub fn put(text: &str) -> Result<(), Failure> {
         ))),
         _ => Ok(()),
     }
+}
+
+/// Whether another process prints what this one would print, too.
+pub fn is_silent() -> bool {
+    dotyk::host::team().rank() > 0
+}
+
+/// What silent processes would have written to standard error.
+static UNSAID: Mutex<String> = Mutex::new(String::new());
+
+/// Writes to standard error.
+pub fn tell(text: &str) {
+    if is_silent() {
+        unsaid().push_str(text);
+        return;
+    }
+    // an error is ignored: standard error is closed
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}
+
+/// What this process did not say, because the first one was to say it.
+pub fn unsaid() -> MutexGuard<'static, String> {
+    UNSAID.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The control sequences that begin and end coloured words.

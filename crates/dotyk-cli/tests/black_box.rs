@@ -712,6 +712,55 @@ fn supports_on_lists_hold_each_side_and_parts_tell_their_reactions() {
 }
 
 #[test]
+fn a_study_tells_all_load_steps_if_asked() {
+    let steps = "[[step]]\ntime = 0.5\n[[step]]\ntime = 1\n";
+    let text = parametric().replacen("pressure = \"p\"", "pressure = \"p*t\"", 1) + steps;
+    let text = text + "[[probe]]\nname = \"ratio\"\nexpression = \"'force, all of it'/p\"\n";
+    let vary = [
+        "--vary",
+        "p=1e6..3e6:3",
+        "--vary",
+        "n=2..2.5:2",
+        "--steps",
+        "all",
+    ];
+    let study = Run::new("study_steps", &text, "study", &vary);
+    assert_eq!(study.status, Some(1), "{}", study.stderr);
+    let read = |name: &str| std::fs::read_to_string(study.folder.join("case-out").join(name));
+    let table = read("study.csv").unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(
+        lines[0],
+        "p,n,step,time,\"force, all of it\",ratio,converged,reason"
+    );
+    assert_eq!(lines.len(), 1 + 3 * (2 + 1));
+    for of_member in lines[1..].chunks(3) {
+        for (k, line) in of_member[..2].iter().enumerate() {
+            let cells: Vec<&str> = line.split(',').collect();
+            assert_eq!(cells[2..4], [["1", "0.5"], ["2", "1.0"]][k]);
+            assert_near(cells[5].parse().unwrap(), [0.5, 1.0][k], 1e-10);
+            assert_eq!(cells[6..], ["true", ""]);
+        }
+        assert!(
+            of_member[2].contains(",2.5,1,NaN,NaN,NaN,false,"),
+            "{}",
+            of_member[2]
+        );
+    }
+    let page = read("study.html").unwrap();
+    assert!(page.contains("Probes over the load steps") && page.contains("Over time, "));
+    let named = text.replacen("name = \"ratio\"", "name = \"time\"", 1);
+    let study = Run::new("study_time", &named, "study", &vary);
+    assert!(
+        study.stderr.contains("are both named `time`"),
+        "{}",
+        study.stderr
+    );
+    let study = Run::new("study_time", &named, "study", &vary[..2]);
+    assert_eq!(study.status, Some(0), "{}", study.stderr);
+}
+
+#[test]
 fn a_study_tells_the_warnings_of_its_members() {
     let text = parametric().replacen("p = 1e6", "p = 2e10", 1);
     let study = Run::new("warned", &text, "study", &["--vary", "p=1e6..2e10:3"]);

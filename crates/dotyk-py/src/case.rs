@@ -4,12 +4,13 @@ use crate::dual::{Dual, Own};
 use crate::errors::{self, Origin};
 use crate::functions::{Function, fields};
 use crate::mesh::Mesh;
-use crate::run::{AnyRun, Run};
+use crate::run::{AnyRun, Kept, Run};
 use crate::worker::{Caller, wait};
 use dotyk::case::{AnyCase, Given};
 use dotyk::model::{Check, Event, Method, SolverOptions, Study, Varied};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -32,16 +33,62 @@ pub struct Case {
     origin: Origin,
     caller: Arc<Caller>,
     since: Instant,
+    beside: Arc<Beside>,
+}
+
+/// What a case is made of beside its text.
+#[derive(Default)]
+pub struct Beside {
+    parameters: Vec<Parameter>,
+    meshes: Vec<Py<Mesh>>,
+    callables: (Vec<Callable>, usize),
 }
 
 /// Name of a parameter, and a number or expression.
 type Parameter = (String, String);
 
 /// Tolerance, most iterations, and the step of methods that have one.
-type Limits = (Option<f64>, Option<usize>, Option<f64>);
+pub type Limits = (Option<f64>, Option<usize>, Option<f64>);
+
+/// Name of a method, and its limits, where they are not those of the case.
+pub type How = (Option<String>, Limits);
 
 /// A callable, its place, its name, and its number of components.
 type Callable = (Py<PyAny>, String, String, Option<usize>);
+
+/// The arguments of `of_text`.
+pub type Arguments = (
+    String,
+    (String, PathBuf),
+    Vec<Parameter>,
+    Vec<Py<Mesh>>,
+    (Vec<Callable>, usize),
+    BTreeMap<String, Vec<u8>>,
+);
+
+impl Beside {
+    /// What makes a case again, wherever its files are: the arguments of `of_text`.
+    pub fn arguments(&self, py: Python<'_>, case: &AnyCase) -> Arguments {
+        let ((text, name, folder), files) = of_any!(case, |case| (case.source(), case.files()));
+        let (callables, dimension) = &self.callables;
+        let callables = callables.iter().map(|(callable, place, name, components)| {
+            (
+                callable.clone_ref(py),
+                place.clone(),
+                name.clone(),
+                *components,
+            )
+        });
+        (
+            text.to_string(),
+            (name.to_string(), folder.to_path_buf()),
+            self.parameters.clone(),
+            self.meshes.iter().map(|mesh| mesh.clone_ref(py)).collect(),
+            (callables.collect(), *dimension),
+            files,
+        )
+    }
+}
 
 #[pymethods]
 impl Case {
@@ -49,8 +96,13 @@ impl Case {
     #[staticmethod]
     fn of_file(py: Python<'_>, path: PathBuf, parameters: Vec<Parameter>) -> PyResult<Self> {
         let (caller, since) = (Arc::new(Caller::default()), Instant::now());
+        let beside = Arc::new(Beside {
+            parameters,
+            ..Beside::default()
+        });
+        let own = Arc::clone(&beside);
         let read = wait(py, &caller, None, move |_| {
-            dotyk_deck::read_case(&path, &parameters)
+            dotyk_deck::read_case(&path, &own.parameters)
         })?;
         // what is wrong already is told at its place in the deck
         let (case, deck) = read.map_err(|error| errors::of_case(py, &error, &Origin::File))?;
@@ -63,11 +115,13 @@ impl Case {
             origin,
             caller,
             since,
+            beside,
         })
     }
 
-    /// Reads a text with the meshes and functions that it names.
+    /// Reads a text with the meshes, functions and contents of files that it names.
     #[staticmethod]
+    #[pyo3(signature = (text, place, parameters, meshes, callables, files=BTreeMap::new()))]
     fn of_text(
         py: Python<'_>,
         text: String,
@@ -75,28 +129,34 @@ impl Case {
         parameters: Vec<Parameter>,
         meshes: Vec<Py<Mesh>>,
         callables: (Vec<Callable>, usize),
+        files: BTreeMap<String, Vec<u8>>,
     ) -> PyResult<Self> {
-        let ((name, folder), (functions, dimension)) = (place, callables);
+        let (name, folder) = place;
         let (caller, since) = (Arc::new(Caller::default()), Instant::now());
-        let of_functions = functions
-            .into_iter()
-            .map(|(callable, place, name, components)| {
-                let function = Function {
-                    callable,
-                    place,
-                    name,
-                    components,
-                    dimension,
-                };
-                fields(function, &caller)
-            });
+        let (functions, dimension) = &callables;
+        let of_functions = functions.iter().map(|(callable, place, name, components)| {
+            let function = Function {
+                callable: callable.clone_ref(py),
+                place: place.clone(),
+                name: name.clone(),
+                components: *components,
+                dimension: *dimension,
+            };
+            fields(function, &caller)
+        });
         let given = Arc::new(Given {
             functions: of_functions.collect(),
             meshes: meshes.iter().map(|mesh| mesh.get().given.clone()).collect(),
-            ..Given::default()
+            files,
         });
+        let beside = Arc::new(Beside {
+            parameters,
+            meshes,
+            callables,
+        });
+        let own = Arc::clone(&beside);
         let read = wait(py, &caller, None, move |_| {
-            AnyCase::from_parts(&text, &name, &folder, &parameters, &given)
+            AnyCase::from_parts(&text, &name, &folder, &own.parameters, &given)
         })?;
         let case = read.map_err(|error| errors::of_case(py, &error, &Origin::Python))?;
         Ok(Self {
@@ -104,6 +164,7 @@ impl Case {
             origin: Origin::Python,
             caller,
             since,
+            beside,
         })
     }
 
@@ -139,14 +200,8 @@ impl Case {
         threads: Option<usize>,
         callback: Option<Py<PyAny>>,
     ) -> PyResult<Run> {
-        let mut any = AnyCase::clone(&self.case);
-        of_any!(&mut any, |case| override_options(
-            py,
-            &mut case.model.solver,
-            method,
-            limits
-        )?);
-        let case = Arc::new(any);
+        let how = (method, limits);
+        let case = self.with_options(py, &how)?;
         let (shared, since) = (Arc::clone(&case), self.since);
         let tell = callback.map(Arc::new);
         let run = wait(py, &self.caller, threads, move |work| {
@@ -173,16 +228,34 @@ impl Case {
             case,
             run,
             (self.origin.clone(), since),
-            Arc::clone(&self.caller),
+            (Arc::clone(&self.caller), Arc::clone(&self.beside), how),
         ))
     }
 
-    /// Solves for all combinations of values of parameters.
+    /// The run whose `kept` this is: nothing is solved.
+    fn restored(&self, py: Python<'_>, kept: Kept) -> PyResult<Run> {
+        let how = kept.1.clone();
+        let case = self.with_options(py, &how)?;
+        let shared = Arc::clone(&case);
+        let read = wait(py, &self.caller, None, move |_| {
+            AnyRun::of_kept(&shared, kept)
+        })?;
+        let (run, since) = read.map_err(|why| errors::input(py, why))?;
+        Ok(Run::new(
+            case,
+            run,
+            (self.origin.clone(), since),
+            (Arc::clone(&self.caller), Arc::clone(&self.beside), how),
+        ))
+    }
+
+    /// Solves for all combinations of values of parameters, and tells the last load step or all of them.
     fn study<'py>(
         &self,
         py: Python<'py>,
         parameters: Vec<Parameter>,
         varied: Vec<(String, Vec<f64>)>,
+        all_steps: bool,
         threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let case = Arc::clone(&self.case);
@@ -192,12 +265,22 @@ impl Case {
             log: false,
         });
         let varied: Vec<Varied> = varied.collect();
+        let doubled = of_any!(&*case, |case| Study::doubled(
+            &case.model,
+            &varied,
+            all_steps
+        ));
+        if let Some(name) = doubled {
+            let message =
+                format!("two columns are both named `{name}`: rename the probe or parameter");
+            return Err(errors::input(py, message));
+        }
         let study = wait(py, &self.caller, threads, move |work| {
             let observe = || work.go_on();
             of_any!(&*case, |case| case.study(&parameters, varied, &observe))
         })?;
         let study = study.map_err(|error| errors::of_case(py, &error, &self.origin))?;
-        columns(py, &study)
+        columns(py, &Study { all_steps, ..study })
     }
 
     /// The dual problem of the step at a time, of the last one without.
@@ -207,7 +290,21 @@ impl Case {
             Arc::clone(&self.case),
             time,
             (self.origin.clone(), Arc::clone(&self.caller)),
+            Arc::clone(&self.beside),
         )
+    }
+}
+
+impl Case {
+    /// The case with settings of the solver by the caller.
+    fn with_options(&self, py: Python<'_>, how: &How) -> PyResult<Arc<AnyCase>> {
+        let mut any = AnyCase::clone(&self.case);
+        of_any!(&mut any, |case| override_options(
+            py,
+            &mut case.model.solver,
+            how.clone()
+        )?);
+        Ok(Arc::new(any))
     }
 }
 
@@ -231,8 +328,7 @@ fn told(py: Python<'_>, callback: &Py<PyAny>, event: &Event) -> PyResult<()> {
 fn override_options<const D: usize>(
     py: Python<'_>,
     options: &mut SolverOptions<D>,
-    method: Option<String>,
-    (tolerance, most, rho): Limits,
+    (method, (tolerance, most, rho)): How,
 ) -> PyResult<()> {
     let method = method.map(|name| method_of(py, &name)).transpose()?;
     options.take(method, rho).map_err(|method| {
@@ -334,18 +430,22 @@ impl Checked {
 /// The columns of `study.csv`.
 fn columns<'py>(py: Python<'py>, study: &Study) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
-    let members = &study.members;
-    for (k, varied) in study.varied.iter().enumerate() {
-        let values: Vec<f64> = members.iter().map(|member| member.values[k]).collect();
-        dict.set_item(&varied.name, numpy::PyArray1::from_vec(py, values))?;
+    let rows = study.rows();
+    let mut numbers: Vec<Vec<f64>> = vec![Vec::with_capacity(rows.len()); study.heads().count()];
+    for row in &rows {
+        let columns = numbers.iter_mut().zip(row.numbers());
+        columns.for_each(|(column, value)| column.push(value));
     }
-    for (k, probe) in study.probes.iter().enumerate() {
-        let values: Vec<f64> = members.iter().map(|member| member.probes[k]).collect();
-        dict.set_item(&probe.name, numpy::PyArray1::from_vec(py, values))?;
+    for (name, values) in study.heads().zip(numbers) {
+        dict.set_item(name, numpy::PyArray1::from_vec(py, values))?;
     }
-    let converged: Vec<bool> = members.iter().map(|member| member.converged).collect();
+    if study.all_steps {
+        let steps = rows.iter().filter_map(|row| Some(row.step?.0 as i64));
+        dict.set_item("step", numpy::PyArray1::from_iter(py, steps))?;
+    }
+    let converged: Vec<bool> = rows.iter().map(|row| row.converged).collect();
     dict.set_item("converged", numpy::PyArray1::from_vec(py, converged))?;
-    let reasons: Vec<String> = members.iter().map(|member| member.reason.clone()).collect();
+    let reasons: Vec<&str> = rows.iter().map(|row| row.reason).collect();
     dict.set_item("reason", reasons)?;
     Ok(dict)
 }

@@ -1,6 +1,6 @@
 //! The dual problem of a step, and solvers written in Python.
 
-use crate::case::{method_of, of_any};
+use crate::case::{Beside, How, method_of, of_any};
 use crate::errors::{self, Origin};
 use crate::worker::{Caller, Work, locked, wait};
 use dotyk::case::AnyCase;
@@ -48,6 +48,7 @@ pub struct Dual {
     dual: Arc<Mutex<AnyDual>>,
     origin: Origin,
     caller: Arc<Caller>,
+    beside: Arc<Beside>,
 }
 
 /// What a dual problem is made of, copied out of it: shift, rows of G, e, blocks.
@@ -229,7 +230,11 @@ impl Dual {
             case,
             run,
             (self.origin.clone(), since),
-            Arc::clone(&self.caller),
+            (
+                Arc::clone(&self.caller),
+                Arc::clone(&self.beside),
+                How::default(),
+            ),
         ))
     }
 }
@@ -241,6 +246,7 @@ impl Dual {
         case: Arc<AnyCase>,
         time: Option<f64>,
         (origin, caller): (Origin, Arc<Caller>),
+        beside: Arc<Beside>,
     ) -> PyResult<Self> {
         let shared = Arc::clone(&case);
         let dual = wait(py, &caller, None, move |_| {
@@ -261,6 +267,7 @@ impl Dual {
             dual: Arc::new(Mutex::new(dual)),
             origin,
             caller,
+            beside,
         })
     }
 

@@ -16,7 +16,12 @@ use std::sync::Arc;
 pub struct Mesh {
     pub given: GivenMesh,
     warnings: Vec<String>,
+    /// What makes it anew, with its curves.
+    words: Option<Words>,
 }
+
+/// Text, folder, whether it is one of space, and the meshes that it names by handles.
+type Words = (String, PathBuf, bool, Vec<Py<Mesh>>);
 
 /// Kind, group and nodes (m, k) of cells.
 type Block<'py> = (String, Option<String>, Bound<'py, PyArray2<u32>>);
@@ -49,12 +54,23 @@ impl Mesh {
             ..Given::default()
         });
         let caller = Arc::new(Caller::default());
+        let words = (text.clone(), folder.clone(), space, meshes);
         let read = wait(py, &caller, None, move |_| {
             read_mesh(&text, &folder, space, &given)
         })?;
-        let (given, warnings) =
-            read.map_err(|error| errors::of_case(py, &error, &errors::Origin::Python))?;
-        Ok(Self { given, warnings })
+        let read = read.map_err(|error| errors::of_case(py, &error, &errors::Origin::Python))?;
+        Ok(Self {
+            given: read.mesh,
+            warnings: read.warnings,
+            words: read.of_words.then_some(words),
+        })
+    }
+
+    /// The arguments of `of_text` that make the same mesh; `None` where it is none of words.
+    fn words(&self, py: Python<'_>) -> Option<Words> {
+        let (text, folder, space, meshes) = self.words.as_ref()?;
+        let meshes = meshes.iter().map(|mesh| mesh.clone_ref(py)).collect();
+        Some((text.clone(), folder.clone(), *space, meshes))
     }
 
     /// A mesh from points (n, 2 or 3), blocks of cells (kind, group, nodes (m, k)) and sides by name: nodes of facets (f, k).
@@ -110,7 +126,11 @@ impl Mesh {
                 return Err(errors::input(py, message));
             }
         };
-        Ok(Self { given, warnings })
+        Ok(Self {
+            given,
+            warnings,
+            words: None,
+        })
     }
 
     #[getter]
@@ -187,6 +207,7 @@ impl Mesh {
         Self {
             given,
             warnings: Vec::new(),
+            words: None,
         }
     }
 }

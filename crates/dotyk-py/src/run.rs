@@ -1,10 +1,10 @@
 //! The results of a case: numbers as arrays, the summary, pictures and files.
 
-use crate::case::of_any;
+use crate::case::{Arguments, Beside, How, of_any};
 use crate::errors::{self, Origin};
 use crate::mesh::rows;
 use crate::worker::{Caller, wait};
-use dotyk::case::{AnyCase, Case, CaseError};
+use dotyk::case::{AnyCase, Case, CaseError, Failure};
 use dotyk::model::{BodyField, ContactNode, On, Shape, Solution};
 use dotyk::output::{self, FailedStep, Record};
 use numpy::{PyArray1, PyArrayMethods};
@@ -22,6 +22,45 @@ pub enum AnyRun {
     Space(dotyk::case::Run<3>),
 }
 
+/// What a run keeps beside its case: solutions as bytes, method and limits, number of load steps, the step that has no answer, and
+/// the seconds that it took.
+pub type Kept = (Vec<u8>, How, usize, Option<Failed>, f64);
+
+/// Number, time and reason of a step without an answer, and the part of it that is carried.
+pub type Failed = (usize, f64, String, Option<f64>);
+
+impl AnyRun {
+    /// The run of a case that was kept, and when it would have begun.
+    ///
+    /// Errors: bytes of another version, or a case whose meshes are others now.
+    pub fn of_kept(case: &AnyCase, kept: Kept) -> Result<(Self, Instant), String> {
+        let (bytes, _, count, failed, spent) = kept;
+        let failure = failed.map(|(step, time, reason, carried)| Failure {
+            step,
+            time,
+            reason,
+            carried,
+            refusal: None,
+        });
+        let unread = |why| format!("the solution cannot be read from its pickle: {why}");
+        let run = match case {
+            AnyCase::Plane(case) => Self::Plane(dotyk::case::Run {
+                steps: case.model.read_solutions(&bytes).map_err(unread)?,
+                count,
+                failure,
+            }),
+            AnyCase::Space(case) => Self::Space(dotyk::case::Run {
+                steps: case.model.read_solutions(&bytes).map_err(unread)?,
+                count,
+                failure,
+            }),
+        };
+        let now = Instant::now();
+        let spent = Duration::try_from_secs_f64(spent).unwrap_or_default();
+        Ok((run, now.checked_sub(spent).unwrap_or(now)))
+    }
+}
+
 /// The solved load steps, and the reason if they end early.
 #[pyclass(frozen, module = "dotyk._dotyk")]
 pub struct Run {
@@ -30,6 +69,8 @@ pub struct Run {
     origin: Origin,
     spent: Duration,
     caller: Arc<Caller>,
+    beside: Arc<Beside>,
+    how: How,
 }
 
 /// Does the same with a case and its run, of the plane or of space; they are always of the same kind.
@@ -195,6 +236,35 @@ impl Run {
         }
     }
 
+    /// What makes its case again: the arguments of `Case.of_text`.
+    fn arguments(&self, py: Python<'_>) -> Arguments {
+        self.beside.arguments(py, &self.case)
+    }
+
+    /// What makes it of its case, by `Case.restored`.
+    fn kept(&self, py: Python<'_>) -> PyResult<Kept> {
+        let own = self.clone();
+        let kept = wait(py, &self.caller, None, move |_| {
+            of_both!(own, |case, run| {
+                let record = Record {
+                    steps: &run.steps,
+                    ..own.record(case, run)
+                };
+                let failed = run.failure.as_ref();
+                let failed = failed.map(|f| (f.step, f.time, f.reason.clone(), f.carried));
+                let spent = own.spent.as_secs_f64();
+                (
+                    record.solutions(),
+                    own.how.clone(),
+                    run.count,
+                    failed,
+                    spent,
+                )
+            })
+        })?;
+        kept.map_err(|error| errors::input(py, error))
+    }
+
     /// Name of the case.
     #[getter]
     fn stem(&self) -> String {
@@ -209,18 +279,20 @@ impl Clone for Run {
             run: Arc::clone(&self.run),
             origin: self.origin.clone(),
             caller: Arc::clone(&self.caller),
+            beside: Arc::clone(&self.beside),
+            how: self.how.clone(),
             ..*self
         }
     }
 }
 
 impl Run {
-    /// The results of a case; what it comes from, and when its reading began.
+    /// The results of a case; what it comes from, and when its reading began; who solved it, what it is made of, and how it was solved.
     pub fn new(
         case: Arc<AnyCase>,
         run: AnyRun,
         (origin, since): (Origin, Instant),
-        caller: Arc<Caller>,
+        (caller, beside, how): (Arc<Caller>, Arc<Beside>, How),
     ) -> Self {
         Self {
             case,
@@ -228,6 +300,8 @@ impl Run {
             origin,
             spent: since.elapsed(),
             caller,
+            beside,
+            how,
         }
     }
 

@@ -675,3 +675,60 @@ def test_tools_are_drawn_by_arrays():
     m.contact("tool", nonmortar="block.top", obstacle={"outline": outline, "force": [0, -40]})
     s = m.solve()
     assert np.allclose(s.contacts["tool"].pressure, 10, rtol=1e-8)
+
+
+def test_expressions_of_probes():
+    m = dotyk.Model("plane-strain", parameters={"depth": 2.0})
+    block = m.body("block", dotyk.rectangle([0, 0], [2, 1], cells=[4, 2]), young=1e3, poisson=0.2)
+    block.fix("bottom", x=0, y=0).load("top", pressure="t*(1 + x)")
+    m.probe("left", "block.displacement.y", at=[0, 1]).probe("right-side", "block.displacement.y", at=[2, 1])
+    m.probe("line", "block.stress.yy", along="block.top")
+    m.probe("tilt", expression="(left - 'right-side')/depth").probe("twice", expression="2*tilt")
+    s = m.solve(steps=[0.5, 1.0])
+    for step in s.steps:
+        tilt = (step.probes["left"] - step.probes["right-side"]) / 2
+        assert step.probes["tilt"] == tilt and step.probes["twice"] == 2 * tilt > 0
+        assert step.probe(expression="tilt/depth") == tilt / 2
+    assert s.probes["tilt"].quantity == "(left - 'right-side')/depth"
+    assert pickle.loads(pickle.dumps(s)).probe(expression="twice*t") == s.probes["twice"]
+    study = m.study(vary={"depth": [1.0, 2.0]})
+    assert study["tilt"][0] == 2 * study["tilt"][1]
+    wrong = [
+        ("tilt + nothing", "unknown name `nothing`"),
+        ("'right side'", "there is no probe 'right side', the nearest known is 'right-side'"),
+        ("2*line", "the probe `line` has values along a line"),
+        ("", "the expression is empty"),
+    ]
+    for expression, words in wrong:
+        with pytest.raises(dotyk.InputError, match=words):
+            m.probe("wrong", expression=expression)
+        with pytest.raises(dotyk.InputError, match=words):
+            s.probe(expression=expression)
+    with pytest.raises(dotyk.InputError, match="has no `at`"):
+        m.probe("wrong", expression="left", at=[0, 1])
+    with pytest.raises(dotyk.ArgumentError, match="`expression` is a string"):
+        m.probe("wrong", expression=lambda points, t: t)
+    assert "wrong" not in m.solve().probes
+
+
+def test_a_study_tells_all_load_steps():
+    m = dotyk.Model("plane-strain", parameters={"q": 1.0, "n": 2})
+    mesh = {"rectangle": {"from": [0, 0], "to": [1, 1], "cells": ["n", 2]}}
+    block = m.body("block", mesh, young=1e3, poisson=0).fix("bottom", x=0, y=0).load("top", pressure="q*t")
+    m.probe("top", f"{block.name}.displacement.y", at=[0.5, 1]).step(0.5).step(1.0)
+    vary = {"q": [1.0, 2.0], "n": [2, 2.5]}
+    last, study = m.study(vary=vary), m.study(vary=vary, steps="all")
+    assert list(last) == ["q", "n", "top", "converged", "reason"] and len(last) == 4
+    assert list(study) == ["q", "n", "step", "time", "top", "converged", "reason"] and len(study) == 6
+    assert study["step"].tolist() == [1, 2, 1] * 2 and study["step"].dtype.kind == "i"
+    assert study["time"][:2].tolist() == [0.5, 1.0] and np.isnan(study["time"][2])
+    assert np.allclose(study["top"][:2], [-0.0005, -0.001]) and study["top"][1] == last["top"][0]
+    assert study["converged"].tolist() == [True, True, False] * 2 and not study.converged
+    assert study.to_pandas().shape == (6, 7) and "6 load steps" in repr(study)
+    for wrong in ("first", ["all"], [0.5], None):
+        with pytest.raises(dotyk.ArgumentError, match='`steps` of a study is "last" or "all"'):
+            m.study(vary=vary, steps=wrong)
+    m.probe("time", "block.reaction.y")
+    assert len(m.study(vary={"q": [1.0]})) == 1
+    with pytest.raises(dotyk.InputError, match="two columns are both named `time`"):
+        m.study(vary={"q": [1.0]}, steps="all")

@@ -36,6 +36,8 @@ def test_it_is_a_schema_and_refuses_what_it_does_not_know():
 
 
 def test_models_of_every_kind_are_told_as_it_says(tmp_path):
+    pieces = dotyk.examples.punch().solve(subdomains=5)
+    assert faults(summary(pieces)) == [] and pieces.subdomains == 5 and pieces.glue_iterations > 0
     steps = dotyk.examples.punch().solve(steps=[0.5, ("last", 1.0)])
     assert faults(summary(steps)) == [] and len(summary(steps)["steps"]) == 2
     assert faults(summary(dotyk.examples.boxes().solve())) == []

@@ -33,8 +33,9 @@ def program() -> None:
     v: float = s.certificate["penetration"].relative
     u: Points = s.bodies["rock"].displacement
     p: Points = s.contacts["gamma"].pressure
-    x: float = s.probe("rock.stress.xx", at=[0, 1])
+    x: float = s.probe("rock.stress.xx", at=[0, 1]); m.probe("half", expression="p/2")
     most: float = s.probe("rock.stress.xx", along="rock.top", reduce="max")
+    half: float = s.probe(expression="p/2")
     line: Points = s.probe("rock.stress.xx", along="rock.top").values
     y: float = s.probes["name"]
     t: float = s.steps[0].time
@@ -51,7 +52,7 @@ def program() -> None:
     m.solve(method=of_dual)
     r = dotyk.check("case.toml"); m = dotyk.Model.from_case("case.toml")
     print(r.errors, r.warnings, r.bodies["rock"].floating, r.members["b"].length)
-    st = dotyk.study("case.toml", vary={"E": np.linspace(0, 1, 3), "q": [1.0]})
+    st = dotyk.study("case.toml", vary={"E": np.linspace(0, 1, 3), "q": [1.0]}, steps="all")
     n: int = len(st); st.to_pandas()
     def cb(progress: dotyk.Progress) -> None:
         print(progress.stage, progress.step, progress.iteration, progress.measure)

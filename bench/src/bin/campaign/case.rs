@@ -36,11 +36,11 @@ impl<const D: usize> Problem<D> {
                 ),
             );
         }
-        if self.method != "auto" {
-            line(
-                &mut out,
-                format_args!("\n[solver]\nmethod = \"{}\"", self.method),
-            );
+        let method = (self.method != "auto").then(|| format!("method = \"{}\"", self.method));
+        let pieces = self.subdomains.map(|count| format!("subdomains = {count}"));
+        let solver: Vec<String> = method.into_iter().chain(pieces).collect();
+        if !solver.is_empty() {
+            line(&mut out, format_args!("\n[solver]\n{}", solver.join("\n")));
         }
         if self.times != [1.0] {
             for time in &self.times {

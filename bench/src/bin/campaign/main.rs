@@ -3,13 +3,14 @@
 //! ```text
 //! cargo run --release -p dotyk-bench --bin campaign -- [--space] [--seeds 0..1000] [--threads N] [--family NAME] [--keep DIR]
 //!                                                      [--twins PART] [--method NAME] [--limit SECONDS] [--margins]
-//!                                                      [--seed K --show] [--failed] [--more]
+//!                                                      [--seed K --show] [--failed] [--more] [--pieces]
 //! ```
 //!
 //! A seed makes a problem ([`families`], in space [`solids`]), the problem makes a case file, the program answers, and [`check`]
 //! judges the answer from displacements and rows alone. The campaign looks for answers that are certified and wrong. A part of the
 //! seeds is solved again as an equivalent problem ([`twins`]), frictionless ones by another method.
 //! `--more` draws among the families that were added later: a new family in the first list would change the family of each seed.
+//! `--pieces` cuts the bodies of every problem into 2 to 6 pieces, as its seed says.
 //! In a named family the problem of a seed never changes.
 //! `--failed` solves only the seeds that once had a wrong answer, or none, because of a fault, with a limit of at least a minute.
 //! The same seeds give the same report for any number of threads, except for seconds and the runs stopped by the limit.
@@ -126,6 +127,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
         threads: std::thread::available_parallelism().map_or(1, |n| n.get()),
         family: None,
         more: false,
+        pieces: false,
         keep: None,
         twins: 0.25,
         method: "accelerated".to_string(),
@@ -167,6 +169,7 @@ fn options(mut words: impl Iterator<Item = String>) -> Result<(Options, bool), S
             "--margins" => options.margins = true,
             "--failed" => failed = true,
             "--more" => options.more = true,
+            "--pieces" => options.pieces = true,
             "--space" => space = true,
             "--show" => options.show = true,
             other => return Err(format!("unknown argument {other}")),

@@ -496,6 +496,8 @@ pub struct Problem<const D: usize = 2> {
     /// Round bodies may spin: rounding decides how far a polygon or polyhedron turns until its next node touches.
     pub spins: bool,
     pub method: String,
+    /// Pieces of all bodies together; the program chooses where it is not given.
+    pub subdomains: Option<u64>,
     /// `[drawing]` of a case file.
     pub drawing: Option<Drawing>,
     pub sections: Vec<Section>,
@@ -551,6 +553,7 @@ impl<const D: usize> Problem<D> {
             uniform: None,
             spins: false,
             method: "auto".to_string(),
+            subdomains: None,
             drawing: None,
             sections: Vec::new(),
             other: None,

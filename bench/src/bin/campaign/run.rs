@@ -26,6 +26,8 @@ pub struct Options {
     pub family: Option<String>,
     /// Seeds choose among the later families.
     pub more: bool,
+    /// Bodies are cut into 2 to 6 pieces, as the seed says.
+    pub pieces: bool,
     /// Folder for the case files of failing seeds, and of all that are shown.
     pub keep: Option<PathBuf>,
     /// Part of the seeds that is solved again as an equivalent problem.
@@ -131,7 +133,8 @@ fn one<const D: usize>(seed: u64, family: Option<&str>, options: &Options) -> Re
 where
     Problem<D>: Dimension<D>,
 {
-    let problem = Problem::of_seed(seed, family.or(options.family.as_deref()), options.more);
+    let mut problem = Problem::of_seed(seed, family.or(options.family.as_deref()), options.more);
+    problem.subdomains = options.pieces.then_some(2 + seed % 5);
     let known = problem.known;
     let clock = Instant::now();
     let mut result = Result {

@@ -9,6 +9,9 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 Law = tuple[str, int, float, float]
+Limits = tuple[float | None, int | None, float | None]
+Callables = tuple[list[tuple[Any, str, str, int | None]], int]
+Kept = tuple[bytes, tuple[str | None, Limits], int, tuple[int, float, str, float | None] | None, float]
 
 class Mesh:
     dimension: int
@@ -25,6 +28,7 @@ class Mesh:
         sets: list[tuple[str, list[int]]] = ...,
         notes: list[str] | None = None,
     ) -> Mesh: ...
+    def words(self) -> tuple[str, str, bool, list[Mesh]] | None: ...
     def points(self) -> Array: ...
     def blocks(self) -> list[tuple[str, str | None, npt.NDArray[np.uint32]]]: ...
     def sides(self) -> list[tuple[str, npt.NDArray[np.uint32]]]: ...
@@ -41,19 +45,25 @@ class Case:
         place: tuple[str, str],
         parameters: list[tuple[str, str]],
         meshes: list[Mesh],
-        callables: tuple[list[tuple[Any, str, str, int | None]], int],
+        callables: Callables,
+        files: dict[str, bytes] = ...,
     ) -> Case: ...
     def check(self) -> dict[str, Any]: ...
     def solve(
         self,
         method: str | None,
         own: Callable[[Any], Any] | None,
-        limits: tuple[float | None, int | None, float | None],
+        limits: Limits,
         threads: int | None,
         callback: Callable[[tuple[str, Any]], Any] | None,
     ) -> Run: ...
+    def restored(self, kept: Kept) -> Run: ...
     def study(
-        self, parameters: list[tuple[str, str]], varied: list[tuple[str, list[float]]], threads: int | None
+        self,
+        parameters: list[tuple[str, str]],
+        varied: list[tuple[str, list[float]]],
+        all_steps: bool,
+        threads: int | None,
     ) -> dict[str, Any]: ...
     def dual(self, time: float | None) -> Dual: ...
 
@@ -61,6 +71,10 @@ class Run:
     failure: tuple[str, bool] | None
     steps: int
     stem: str
+    def arguments(
+        self,
+    ) -> tuple[str, tuple[str, str], list[tuple[str, str]], list[Mesh], Callables, dict[str, bytes]]: ...
+    def kept(self) -> Kept: ...
     def summary(self) -> str: ...
     def report(self) -> str: ...
     def figures(self) -> list[tuple[str, str]]: ...

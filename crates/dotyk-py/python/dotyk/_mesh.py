@@ -232,8 +232,17 @@ class Mesh:
         return f"<dotyk.Mesh: {len(self._native.points())} nodes, {counts}{sides}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
+        words = self._native.words()
+        if words is not None:
+            # made anew it has the curves behind its sides, too
+            text, folder, space, meshes = words
+            return _made_anew, (text, str(folder), space, [Mesh._of(mesh) for mesh in meshes])
         blocks = [(kind, group, nodes) for kind, group, nodes in self._native.blocks()]
         return _restored, (self._native.points(), blocks, self._native.sides(), self.named)
+
+
+def _made_anew(text: str, folder: str, space: bool, meshes: list[Mesh]) -> Mesh:
+    return Mesh._of(_dotyk.Mesh.of_text(text, folder, space, [mesh._native for mesh in meshes]))
 
 
 def _restored(points: Any, blocks: Any, sides: Any, named: Any) -> Mesh:

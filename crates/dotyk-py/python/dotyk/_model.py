@@ -646,7 +646,7 @@ class Model:
     def probe(
         self,
         name: str,
-        quantity: str,
+        quantity: str | None = None,
         at: Any = None,
         along: Any = None,
         reduce: str | None = None,
@@ -654,14 +654,19 @@ class Model:
         minus_rigid: str | None = None,
         center: Place | None = None,
         factor: Number | None = None,
+        expression: str | None = None,
     ) -> Model:
-        """Adds a probe, which every solution of this model reads.
+        """Adds a probe, which every solution of this model reads: a quantity, or an expression of probes that were added before.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain")
         >>> _ = m.body("rock", dotyk.rectangle([0, 0], [4, 4], cells=[8, 8]), young=1e9, poisson=0.3)
         >>> _ = m.probe("settlement", "rock.displacement.y", at=[2, 4])
+        >>> _ = m.probe("left side", "rock.displacement.y", at=[0, 4])
+        >>> _ = m.probe("slope", expression="(settlement - 'left side')/2")
         """
+        if expression is not None:
+            text_of(expression, "expression")
         return self._add("probe", locals())
 
     @keywords
@@ -684,7 +689,10 @@ class Model:
         self._unused(kind, entry["name"])
         bodies = [{key: value for key, value in body.items() if key in _BASE} for body in self._lists["body"]]
         known = _PARTS[1:] if kind == "probe" else ()
-        document = {"body": bodies, **{other: self._lists[other] for other in known}, kind: [entry]}
+        # of other probes an expression needs the names, and whether they have values along a line
+        others = self._lists["probe"] if "expression" in entry else []
+        others = [own if "along" in own else {"name": own["name"], "expression": "0"} for own in others]
+        document = {"body": bodies, **{other: self._lists[other] for other in known}, kind: [*others, entry]}
         self._try(document)
         self._lists[kind].append(entry)
         return self
@@ -745,6 +753,7 @@ class Model:
         parameters: Table | None = None,
         progress: bool | None = None,
         bolt: Any = None,
+        subdomains: int | str | None = None,
     ) -> Solution:
         """Solves all load steps; the solution is that of the last, with all of them in ``steps``.
 
@@ -753,6 +762,9 @@ class Model:
         method:
             ``"auto"``, ``"newton"``, ``"mprgp"``, ``"gradient"``, ``"accelerated"``, ``"secant"``, ``"uzawa"``, or a function
             of a dual problem that gives λ and α; its answer is judged as all others.
+        subdomains:
+            Number of pieces into which all bodies together are divided, glued by forces: they need less memory, and the answer is
+            the same to the tolerance. ``"auto"``: by size and memory.
         callback:
             Called with a :class:`Progress` at every stage, iteration and step. It may raise, but not change the model.
 
@@ -776,6 +788,8 @@ class Model:
         solver = dict(self._solver)
         if bolt is not None:
             solver |= {"method": method if isinstance(method, str) else solver.get("method"), "bolt": taken(bolt)}
+        if subdomains is not None:
+            solver |= {"subdomains": taken(subdomains)}
         case = self._case(document, solver, parameters)
         with self._solves:
             return solved(case, method, tolerance, max_iterations, rho, threads, callback, progress)
@@ -807,8 +821,14 @@ class Model:
             return Dual(case.dual(number_of(t, "t")))
 
     @keywords
-    def study(self, vary: Table, parameters: Table | None = None, threads: int | None = None) -> Study:
-        """Solves the model for all combinations of values of its parameters.
+    def study(
+        self,
+        vary: Table,
+        parameters: Table | None = None,
+        threads: int | None = None,
+        steps: Literal["last", "all"] = "last",
+    ) -> Study:
+        """Solves the model for all combinations of values of its parameters; rows tell the last load step, or all of them.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain", parameters={"q": 1.0})
@@ -817,10 +837,12 @@ class Model:
         >>> study = m.probe("top", "block.displacement.y", at=[0.5, 1]).study(vary={"q": [1.0, 2.0]})
         >>> [round(u, 9) for u in study["top"].tolist()]
         [-0.001, -0.002]
+        >>> list(m.step(0.5).step(1.0).study(vary={"q": [1.0, 2.0]}, steps="all"))
+        ['q', 'step', 'time', 'top', 'converged', 'reason']
         """
         case = self._case(self._document(), self._solver, parameters)
         with self._solves:
-            return studied(case, vary, parameters, threads_of(threads))
+            return studied(case, vary, parameters, threads_of(threads), steps)
 
     def __repr__(self) -> str:
         title = self._head.get("title")

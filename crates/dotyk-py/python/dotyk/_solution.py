@@ -6,6 +6,7 @@ import io
 import json
 import math
 import os
+import pickle
 from collections.abc import Iterator, Mapping
 from html import escape
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar, overload
@@ -690,6 +691,11 @@ class Solution(_Frozen):
     contraction: float
     dofs: int
     contact_unknowns: int
+    #: Pieces of all bodies; a whole one counts as one.
+    subdomains: int
+    #: Where a body is divided: rigid motions of its pieces, and solutions with all pieces so far.
+    coarse_size: int
+    glue_iterations: int
     threads: int
     peak_memory_bytes: int
     seconds: dict[str, float]
@@ -738,7 +744,7 @@ class Solution(_Frozen):
         own["contacts"] = Named(
             "contact",
             {
-                entry["name"]: ContactSolution(entry, _Arrays(_fetch(run.contact, step, k)), self)
+                entry["name"]: ContactSolution(entry, _Arrays(_fetch(run, "contact", step, k)), self)
                 for k, entry in enumerate(table["contacts"])
             },
         )
@@ -746,7 +752,7 @@ class Solution(_Frozen):
             "body",
             {
                 entry["name"]: BodySolution(
-                    entry, _Arrays(_fetch(run.body, step, k)), _fetch(run.mesh, step, k), _fetch(run.vtu, step, k)
+                    entry, _Arrays(_fetch(run, "body", step, k)), _fetch(run, "mesh", step, k), _fetch(run, "vtu", step, k)
                 )
                 for k, entry in enumerate(table["bodies"])
             },
@@ -761,6 +767,9 @@ class Solution(_Frozen):
             object.__setattr__(body, "_solution", self)
 
     @keywords
+    @overload
+    def probe(self, *, expression: str) -> float: ...
+
     @overload
     def probe(
         self,
@@ -802,7 +811,7 @@ class Solution(_Frozen):
 
     def probe(
         self,
-        quantity: str,
+        quantity: str | None = None,
         at: Any = None,
         along: Any = None,
         reduce: str | None = None,
@@ -810,13 +819,18 @@ class Solution(_Frozen):
         minus_rigid: str | None = None,
         center: Any = None,
         factor: float | str | None = None,
+        expression: str | None = None,
     ) -> float | Line:
         """Reads a quantity, as a probe of a case file does: a number, or along a line distance, points and values.
 
+        An ``expression`` is one of the probes of the model.
+
         >>> import dotyk.examples
-        >>> s = dotyk.examples.punch().solve()
+        >>> s = dotyk.examples.punch().probe("rise", "punch.displacement.y", at=[2, 2]).solve()
         >>> round(s.probe("punch.stress.yy", at=[2, 2]), -3)
         -1000000.0
+        >>> s.probe(expression="-1e3*rise") == -1e3 * s.probes["rise"]
+        True
         """
         table = {key: value for key, value in locals().items() if key != "self"}
         text = Writer(2).entries(table, "the probe")
@@ -908,15 +922,30 @@ class Solution(_Frozen):
 
     def __reduce__(self) -> tuple[Any, ...]:
         whole = self.steps[-1] is self and len(self.steps) == self._run.steps
-        return _restored, (_Stored.of(self._run), None if whole else self._step)
+        return _restored, (_kept(self._run), None if whole else self._step)
 
 
 def _part(solution: Solution, kind: str, name: str) -> Any:
     return getattr(solution, kind)[name]
 
 
-def _fetch(method: Any, *place: int) -> Any:
-    return lambda: method(*place)
+def _fetch(run: Any, method: str, *place: int) -> Any:
+    return lambda: getattr(run, method)(*place)
+
+
+def _kept(run: Any) -> Any:
+    """A run as a pickle keeps it."""
+    if not isinstance(run, _dotyk.Run):
+        return run
+    text, (name, folder), parameters, meshes, (callables, dimension), files = run.arguments()
+    functions = []
+    for function, where, called, components in callables:
+        try:
+            functions.append((pickle.dumps(function), where, called, components))
+        except Exception as error:
+            return _Numbers(run, f"{where}: the function {called} cannot be pickled ({error})")
+    case = (text, (name, str(folder)), parameters, [Mesh._of(mesh) for mesh in meshes], (functions, dimension), files)
+    return _Kept(case, run)
 
 
 def _restored(run: Any, step: int | None) -> Solution:
@@ -924,19 +953,59 @@ def _restored(run: Any, step: int | None) -> Solution:
     return solution if step is None else solution.steps[step]
 
 
-class _Stored:
-    """What of a run a pickle keeps: numbers, meshes and pictures, but not the model."""
+class _Function:
+    """A function out of a pickle, which is looked up when it is called first."""
 
-    @classmethod
-    def of(cls, run: Any) -> Any:
-        """A run, kept."""
-        if isinstance(run, _Stored):
-            return run
-        kept = cls()
+    def __init__(self, pickled: bytes, name: str) -> None:
+        self._pickled, self.__name__ = pickled, name
+        self._function: Any = None
+
+    def __call__(self, points: Any, t: float) -> Any:
+        if self._function is None:
+            try:
+                self._function = pickle.loads(self._pickled)
+            except Exception as error:
+                raise InputError(f"the function {self.__name__} of a pickled model is not found here: {error}") from None
+        return self._function(points, t)
+
+
+class _Kept:
+    """A run out of a pickle: its numbers at once, the rest by its case and its solutions, which are read when they are asked for."""
+
+    _run: Any = None
+    _summary: str
+
+    def __init__(self, case: tuple[Any, ...], run: Any) -> None:
+        self._case, self._solutions = case, run.kept()
+        self._summary, self.steps = run.summary(), run.steps
+
+    def summary(self) -> str:
+        return self._summary
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if self._run is None:
+            text, place, parameters, meshes, (callables, dimension), files = self._case
+            functions = [(_Function(pickled, name), where, name, size) for pickled, where, name, size in callables]
+            natives = [mesh._native for mesh in meshes]
+            case = _dotyk.Case.of_text(text, place, parameters, natives, (functions, dimension), files)
+            self._run = case.restored(self._solutions)
+        return getattr(self._run, name)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {key: value for key, value in self.__dict__.items() if key != "_run"}
+
+
+class _Numbers:
+    """What is left of a run whose model cannot be pickled: numbers, meshes and pictures."""
+
+    def __init__(self, run: Any, reason: str) -> None:
+        self._reason = reason
         summary = json.loads(run.summary())
         tables = summary.get("steps") or [summary]
         tables = tables if len(tables) >= run.steps else [*tables, summary]
-        kept._kept = {
+        self._kept = {
             "summary": run.summary(),
             "report": run.report(),
             "figures": run.figures(),
@@ -948,9 +1017,6 @@ class _Stored:
             "contacts": [[run.contact(k, i) for i in range(len(t["contacts"]))] for k, t in enumerate(tables)],
             "history": [run.history(k) for k in range(len(tables))],
         }
-        return kept
-
-    _kept: dict[str, Any]
 
     @property
     def steps(self) -> int:
@@ -984,10 +1050,16 @@ class _Stored:
         return self._kept["history"][step]
 
     def write(self, folder: str) -> list[str]:
-        raise InputError("a solution out of a pickle has no model to write files of: write them before")
+        raise self._lacks("files are written")
 
     def probe(self, step: int, text: str) -> Any:
-        raise InputError("a solution out of a pickle has no model to read probes of: read them before")
+        raise self._lacks("probes are read")
+
+    def _lacks(self, what: str) -> InputError:
+        return InputError(
+            f"this solution came out of a pickle without its model, because of {self._reason}: {what} before it is pickled, or with "
+            "a function at the top of a module"
+        )
 
 
 def _numbers(value: Any, key: str = "") -> Any:

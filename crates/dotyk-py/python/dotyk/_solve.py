@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from dotyk import _dotyk
 from dotyk._errors import ArgumentError, InputError, NotConverged
@@ -319,6 +319,8 @@ def check(case: str | os.PathLike[str], parameters: Table | None = None) -> Chec
 class Study(Mapping[str, Any]):
     """The columns of ``study.csv`` by name: parameters, probes, ``converged``, ``reason``; a row for each combination.
 
+    Of all load steps, ``step`` and ``time`` come before the probes; a row for each step up to one without an answer.
+
     >>> import dotyk
     >>> m = dotyk.Model("plane-strain", parameters={"q": 1.0})
     >>> block = m.body("block", dotyk.rectangle([0, 0], [1, 1], cells=[2, 2]), young=1e3, poisson=0)
@@ -347,7 +349,7 @@ class Study(Mapping[str, Any]):
 
     @property
     def converged(self) -> bool:
-        """Every member has its answer.
+        """Every member, and of all load steps every step, has its answer.
 
         >>> import dotyk
         >>> m = dotyk.Model("plane-strain", parameters={"q": 1.0})
@@ -373,11 +375,14 @@ class Study(Mapping[str, Any]):
         return friend("pandas", "to_pandas()").DataFrame(self.columns)
 
     def __repr__(self) -> str:
-        return f"<dotyk.Study: {len(self)} members, columns {', '.join(self.columns)}>"
+        rows = "load steps" if "step" in self.columns else "members"
+        return f"<dotyk.Study: {len(self)} {rows}, columns {', '.join(self.columns)}>"
 
 
-def studied(case: Any, vary: Any, parameters: Any, threads: int | None) -> Study:
+def studied(case: Any, vary: Any, parameters: Any, threads: int | None, steps: Any) -> Study:
     """The study of a case."""
+    if not isinstance(steps, str) or steps not in ("last", "all"):
+        raise ArgumentError(f'`steps` of a study is "last" or "all", not {steps!r}: the times are those of the model')
     if not isinstance(vary, Mapping) or not vary:
         raise ArgumentError("`vary` is a mapping from names of parameters to their values")
     varied = []
@@ -392,7 +397,7 @@ def studied(case: Any, vary: Any, parameters: Any, threads: int | None) -> Study
         if not numbers or not all(abs(number) < float("inf") for number in numbers):
             raise InputError(f"the values of `{name}` are finite numbers, at least one")
         varied.append((str(name), numbers))
-    return Study(case.study(parameters_of(parameters), varied, threads), case.warnings)
+    return Study(case.study(parameters_of(parameters), varied, steps == "all", threads), case.warnings)
 
 
 @keywords
@@ -401,8 +406,9 @@ def study(
     vary: Table,
     parameters: Table | None = None,
     threads: int | None = None,
+    steps: Literal["last", "all"] = "last",
 ) -> Study:
-    """Solves a case file, or a model, for all combinations of values of its parameters.
+    """Solves a case file, or a model, for all combinations of values of its parameters; rows tell the last load step, or all of them.
 
     >>> import dotyk
     >>> dotyk.study("no-such-case.toml", vary={"E": [1.0, 2.0]})
@@ -412,7 +418,7 @@ def study(
     from dotyk._model import Model
 
     if isinstance(case, Model):
-        return case.study(vary, parameters, threads)
+        return case.study(vary, parameters, threads, steps)
     pairs = parameters_of(parameters)
     read = _dotyk.Case.of_file(path_of(case, "case"), pairs)
-    return studied(read, vary, parameters, threads_of(threads))
+    return studied(read, vary, parameters, threads_of(threads), steps)

@@ -4,11 +4,12 @@
 //! other key is an error that names the nearest known one.
 
 use crate::case::error::{CaseError, Fault};
-use crate::case::expression::{self, Variables};
+use crate::case::expression::{self, ExpressionError, Variables};
 use crate::case::given::Given;
 use crate::case::parameters::{self, Parameters};
 use crate::case::suggest::{elsewhere, listed};
 use crate::geometry::{Field, Point};
+use crate::model::Formula;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::rc::Rc;
@@ -368,6 +369,22 @@ impl Node {
         }
     }
 
+    /// An expression of probes with these names.
+    pub fn formula(&self, probes: &[&str]) -> Result<Formula, Fault> {
+        let text = self.text()?;
+        let formula = expression::parse_formula(text, probes, &self.parameters.values);
+        formula.map_err(|error| {
+            self.misread("expression", text, &error)
+                .help(expression::OF_PROBES)
+        })
+    }
+
+    /// A fault in an expression, at its place.
+    fn misread(&self, what: &str, text: &str, error: &ExpressionError) -> Fault {
+        let place = self.part(error.offset..error.offset + 1);
+        Fault::new(&place, format!("{what} \"{}\": {error}", short(text))).label("here")
+    }
+
     fn expression(
         &self,
         text: &str,
@@ -384,15 +401,12 @@ impl Node {
                 _ => Ok(function.clone()),
             };
         }
-        let field = expression::parse_with(text, variables, parameters).map_err(|e| {
-            let place = self.part(e.offset..e.offset + 1);
+        let field = expression::parse_with(text, variables, parameters).map_err(|error| {
             let (what, help) = match variables {
                 Variables::None => ("expected a number, the expression", expression::OF_NUMBERS),
                 _ => ("expression", expression::VOCABULARY),
             };
-            Fault::new(&place, format!("{what} \"{}\": {e}", short(text)))
-                .label("here")
-                .help(help)
+            self.misread(what, text, &error).help(help)
         })?;
         match field.as_constant() {
             Some(value) if !value.is_finite() => {

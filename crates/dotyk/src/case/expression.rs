@@ -7,7 +7,8 @@
 //!   product = signed (("*" | "/") signed)*                   left
 //!   signed  = ("+" | "-") signed | power                     -x^2 = -(x^2)
 //!   power   = atom ("^" signed)?                             right: 2^3^2 = 512; 2^-1 = 0.5
-//!   atom    = number | x | y | z | t | pi | parameter | name "(" sum ("," sum)* ")" | "(" sum ")"
+//!   atom    = number | x | y | z | t | pi | parameter | probe | name "(" sum ("," sum)* ")" | "(" sum ")"
+//!   probe   = name | "'" any text "'"                        of a formula alone, which has no x, y and z
 //! ```
 //!
 //! Angles in radians. A division by zero and the like give values that are not finite: the caller knows which
@@ -15,6 +16,7 @@
 
 use crate::case::suggest::nearest;
 use crate::geometry::Field;
+use crate::model::Formula;
 
 /// Deepest nesting of parentheses and signs: beyond it a text is refused instead of exhausting the stack.
 const DEEPEST: usize = 200;
@@ -29,6 +31,10 @@ pub(crate) const VOCABULARY: &str = "an expression is made of numbers, parameter
 /// The same where it must be one number.
 pub(crate) const OF_NUMBERS: &str =
     "here stands a number, or an expression of numbers and of the case's [parameters]";
+
+/// The same for a formula.
+pub(crate) const OF_PROBES: &str = "an expression of probes is made of numbers, parameters, their names (in quotes what is no word: \
+    'left side'), t, pi, + - * / ^ ( ) and functions";
 
 /// An error in an expression, with its place.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -66,33 +72,34 @@ pub(crate) fn parse_with(
     variables: Variables,
     parameters: &[(String, f64)],
 ) -> Result<Field, ExpressionError> {
-    if text.len() > LONGEST {
-        return Err(ExpressionError {
-            message: format!("the expression is longer than {LONGEST} characters"),
-            offset: 0,
-        });
-    }
-    let mut parser = Parser {
-        text,
-        variables,
-        parameters,
-        position: 0,
-        depth: 0,
-        last: Seen::Nothing,
-    };
-    let tree = parser.sum()?;
-    if let Some(c) = parser.peek() {
-        let message = if c == ')' {
-            "this parenthesis closes nothing".to_string()
-        } else {
-            format!("expected an operator or the end, found `{c}`")
-        };
-        return Err(parser.error_at(parser.position, message));
-    }
+    let tree = Parser::new(text, variables, parameters).whole()?;
     Ok(match tree.constant() {
         Some(value) => Field::constant(value),
         None => Field::function(text, move |[x, y, z], t| tree.value(&[x, y, z, t])),
     })
+}
+
+/// A formula of probes with these names, of t, and of named values.
+///
+/// Errors: as [`parse`]; a name that is a probe's and a value's; a constant that is not finite.
+pub(crate) fn parse_formula(
+    text: &str,
+    probes: &[&str],
+    parameters: &[(String, f64)],
+) -> Result<Formula, ExpressionError> {
+    let mut parser = Parser {
+        probes: Some(probes),
+        ..Parser::new(text, Variables::Time, parameters)
+    };
+    let tree = parser.whole()?;
+    if let Some(value) = tree.constant().filter(|value| !value.is_finite()) {
+        let message = format!("its value is not finite: {value}");
+        return Err(parser.error_at(0, message));
+    }
+    Ok(Formula::new(text, parser.taken, move |values, t| {
+        let place = [f64::NAN, f64::NAN, f64::NAN, t];
+        tree.value(&[&place, values].concat())
+    }))
 }
 
 const VARIABLES: [&str; 4] = ["x", "y", "z", "t"];
@@ -155,7 +162,8 @@ enum Tree {
 }
 
 impl Tree {
-    fn value(&self, variables: &[f64; 4]) -> f64 {
+    /// Of x, y, z, t, and the probes that are taken.
+    fn value(&self, variables: &[f64]) -> f64 {
         match self {
             Self::Number(value) => *value,
             Self::Variable(index) => variables[*index],
@@ -185,12 +193,44 @@ struct Parser<'t> {
     text: &'t str,
     variables: Variables,
     parameters: &'t [(String, f64)],
+    /// Names of probes, in a formula.
+    probes: Option<&'t [&'t str]>,
+    /// Those that it takes.
+    taken: Vec<String>,
     position: usize,
     depth: usize,
     last: Seen,
 }
 
-impl Parser<'_> {
+impl<'t> Parser<'t> {
+    fn new(text: &'t str, variables: Variables, parameters: &'t [(String, f64)]) -> Self {
+        Self {
+            text,
+            variables,
+            parameters,
+            probes: None,
+            taken: Vec::new(),
+            position: 0,
+            depth: 0,
+            last: Seen::Nothing,
+        }
+    }
+
+    /// The tree of the whole text.
+    fn whole(&mut self) -> Result<Tree, ExpressionError> {
+        if self.text.len() > LONGEST {
+            let message = format!("the expression is longer than {LONGEST} characters");
+            return Err(self.error_at(0, message));
+        }
+        let tree = self.sum()?;
+        let message = match self.peek() {
+            None => return Ok(tree),
+            Some(')') => "this parenthesis closes nothing".to_string(),
+            Some(c) => format!("expected an operator or the end, found `{c}`"),
+        };
+        Err(self.error_at(self.position, message))
+    }
+
     fn error_at(&self, offset: usize, message: String) -> ExpressionError {
         ExpressionError { message, offset }
     }
@@ -273,6 +313,8 @@ impl Parser<'_> {
             self.number()
         } else if c.is_alphabetic() || c == '_' {
             self.name()
+        } else if c == '\'' && self.probes.is_some() {
+            self.quoted()
         } else if self.take(&['(']).is_some() {
             let inner = self.sum()?;
             self.close(start)?;
@@ -334,6 +376,18 @@ impl Parser<'_> {
             .unwrap_or(rest.len());
         let name = &rest[..length];
         self.position += length;
+        // x, y and z have no other meaning in a formula
+        let means_else = reserved().any(|word| word == name) && !["x", "y", "z"].contains(&name);
+        let is_parameter = self.parameters.iter().any(|(known, _)| known == name);
+        match self.probes.is_some_and(|probes| probes.contains(&name)) {
+            true if is_parameter => {
+                let message =
+                    format!("`{name}` is a parameter and a probe: give one of them another name");
+                return Err(self.error_at(start, message));
+            }
+            true if !means_else => return Ok(self.probe(name)),
+            _ => {}
+        }
         if let Some(index) = VARIABLES.iter().position(|v| *v == name) {
             let meaningless = match self.variables {
                 Variables::All => None,
@@ -375,10 +429,46 @@ impl Parser<'_> {
             Variables::Place => *known != "t",
             Variables::None => !VARIABLES.contains(known),
         };
+        let mut probes = self.probes.unwrap_or_default().iter().copied();
         let known = parameters.chain(reserved().filter(meaningful));
-        let near = nearest(name, known).unwrap_or_default();
-        let message = format!("unknown name `{name}`, the nearest known is `{near}`");
+        let near = nearest(name, known.chain(probes.clone())).unwrap_or_default();
+        // the beginning of the name of a probe that is no word
+        let begins = |probe: &&str| probe.len() > length && rest.starts_with(probe);
+        let message = match probes.find(begins) {
+            Some(probe) => format!("the probe `{probe}` stands in quotes here: '{probe}'"),
+            None => format!("unknown name `{name}`, the nearest known is `{near}`"),
+        };
         Err(self.error_at(start, message))
+    }
+
+    /// The value of a probe.
+    fn probe(&mut self, name: &str) -> Tree {
+        let place = self.taken.iter().position(|taken| taken == name);
+        let place = place.unwrap_or_else(|| {
+            self.taken.push(name.to_string());
+            self.taken.len() - 1
+        });
+        Tree::Variable(VARIABLES.len() + place)
+    }
+
+    /// A probe whose name stands in quotes, whatever it is.
+    fn quoted(&mut self) -> Result<Tree, ExpressionError> {
+        let start = self.position;
+        let rest = &self.text[start + 1..];
+        let Some(length) = rest.find('\'') else {
+            return Err(self.error_at(start, "this quote is never closed".to_string()));
+        };
+        let name = &rest[..length];
+        self.position += length + 2;
+        let probes = self.probes.unwrap_or_default();
+        if probes.contains(&name) {
+            return Ok(self.probe(name));
+        }
+        let near = match nearest(name, probes.iter().copied()) {
+            Some(near) => format!(", the nearest known is '{near}'"),
+            None => String::new(),
+        };
+        Err(self.error_at(start, format!("there is no probe '{name}'{near}")))
     }
 
     /// The N arguments of a function, in parentheses.
@@ -496,6 +586,76 @@ mod tests {
             // a few roundings of functions of order one
             assert!((found - expected).abs() < 1e-14, "{text}: {found}");
         }
+    }
+
+    #[test]
+    fn a_formula_names_probes_as_words_and_in_quotes() {
+        let probes = ["left", "crown-left", "x", "max", "a.b c"];
+        let parameters = [("depth".to_string(), 4.0)];
+        let text = "0.5*(left - 'crown-left')/depth + x*t + max('max', 'a.b c') + 0*left";
+        let formula = parse_formula(text, &probes, &parameters).unwrap();
+        assert_eq!(
+            formula.probes(),
+            ["left", "crown-left", "x", "max", "a.b c"]
+        );
+        let known = |name: &str| {
+            probes
+                .iter()
+                .position(|p| *p == name)
+                .map(|k| k as f64 + 1.0)
+        };
+        assert_eq!(
+            formula.value(known, 2.0),
+            0.5 * (1.0 - 2.0) / 4.0 + 3.0 * 2.0 + 5.0
+        );
+        assert_eq!(formula.to_string(), text);
+    }
+
+    #[test]
+    fn wrong_formulas_are_told_at_their_place() {
+        let parameters = [("depth".to_string(), 4.0)];
+        let of = |text: &str| {
+            let probes = ["left", "crown-left", "depth"];
+            let e = parse_formula(text, &probes, &parameters).unwrap_err();
+            (e.offset, e.message)
+        };
+        let wrong = [
+            (
+                "1 + lefft",
+                4,
+                "unknown name `lefft`, the nearest known is `left`",
+            ),
+            (
+                "leftover",
+                0,
+                "unknown name `leftover`, the nearest known is `left`",
+            ),
+            (
+                "crown-left + 1",
+                0,
+                "the probe `crown-left` stands in quotes here: 'crown-left'",
+            ),
+            (
+                "left - 'crown-lef'",
+                7,
+                "there is no probe 'crown-lef', the nearest known is 'crown-left'",
+            ),
+            ("left + 'crown-left", 7, "this quote is never closed"),
+            ("left/depth", 5, "`depth` is a parameter and a probe"),
+            ("left*y", 5, "`y` has no meaning here"),
+            ("1/0", 0, "not finite"),
+            ("", 0, "the expression is empty"),
+        ];
+        for (text, offset, words) in wrong {
+            let (at, message) = of(text);
+            assert!(
+                at == offset && message.contains(words),
+                "{text}: {at} {message}"
+            );
+        }
+        // elsewhere a quote is none
+        assert!(error("'left'").1.contains("found `'`"));
+        assert_eq!(of("left + $").0, 7);
     }
 
     #[test]

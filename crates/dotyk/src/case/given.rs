@@ -30,7 +30,7 @@ pub enum GivenMesh {
 /// Parts that a text may name by handles, and files that it may name by their paths although no folder has them.
 #[derive(Debug, Default)]
 pub struct Given {
-    /// Contents of mesh files by the path that the text has for them; they come before files of a folder.
+    /// Contents of mesh and STL files by the path that the text has for them; they come before files of a folder.
     pub files: BTreeMap<String, Vec<u8>>,
     /// Meshes of bodies.
     pub meshes: Vec<GivenMesh>,
@@ -69,8 +69,18 @@ pub(crate) fn other_dimension(node: &Node, body: &str, dimension: usize) -> Faul
 /// Name of a mesh in messages before a body has it.
 const NEW: &str = "new";
 
-/// The mesh of a text with the key `mesh` of a body, and `drawing` where it is made of regions, in space or in the plane; with the
-/// warnings of reading.
+/// A mesh that was read.
+#[derive(Debug)]
+pub struct ReadMesh {
+    /// The mesh.
+    pub mesh: GivenMesh,
+    /// Warnings of reading.
+    pub warnings: Vec<String>,
+    /// It is made of words alone, and of no file.
+    pub of_words: bool,
+}
+
+/// The mesh of a text with the key `mesh` of a body, and `drawing` where it is made of regions, in space or in the plane.
 ///
 /// Errors: every mistake in the text; files that cannot be read.
 pub fn read_mesh(
@@ -78,12 +88,18 @@ pub fn read_mesh(
     folder: &Path,
     space: bool,
     given: &Arc<Given>,
-) -> Result<(GivenMesh, Vec<String>), CaseError> {
+) -> Result<ReadMesh, CaseError> {
     let source = Source::parse(text, NEW, folder, &[], given)?;
+    let mut files = MeshFiles::new(source.folder);
     let read = match space {
-        true => made(&source).map(|(mesh, points, said)| (GivenMesh::Space(mesh, points), said)),
-        false => made(&source).map(|(mesh, points, said)| (GivenMesh::Plane(mesh, points), said)),
+        true => made(&source, &mut files).map(|(mesh, points)| GivenMesh::Space(mesh, points)),
+        false => made(&source, &mut files).map(|(mesh, points)| GivenMesh::Plane(mesh, points)),
     };
+    let read = read.map(|mesh| ReadMesh {
+        mesh,
+        of_words: files.named.is_empty(),
+        warnings: files.warnings(),
+    });
     read.map_err(|fault| {
         let mut error = fault.in_source(NEW, text);
         error.message = error.message.replace(&format!(" of body `{NEW}`"), "");
@@ -91,19 +107,19 @@ pub fn read_mesh(
     })
 }
 
-type Made<const D: usize> = (Arc<Mesh<D>>, Named<D>, Vec<String>);
-
-fn made<const D: usize>(source: &Source<'_>) -> Result<Made<D>, Fault>
+fn made<const D: usize>(
+    source: &Source<'_>,
+    files: &mut MeshFiles,
+) -> Result<(Arc<Mesh<D>>, Named<D>), Fault>
 where
     Mesh<D>: Generated<D>,
 {
     let table = source.document.table(keys::CASE_MESH)?;
-    let mut files = MeshFiles::new(source.folder);
     files.drawing = table.get("drawing").map(outline::drawing).transpose()?;
     let node = table.require("mesh", "a mesh")?;
     let needed = format!("one in {D}D is asked for");
-    let (mesh, points) = mesh(node, NEW, &needed, &mut files)?;
-    Ok((Arc::new(mesh), points, files.warnings()))
+    let (mesh, points) = mesh(node, NEW, &needed, files)?;
+    Ok((Arc::new(mesh), points))
 }
 
 /// A text of a case file as JSON, its tables in the order of the text.

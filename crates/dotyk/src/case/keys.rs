@@ -293,7 +293,14 @@ pub const REINFORCEMENT: &[&str] = &["depth", "area", "yield", "young"];
 /// `from` or `to` of a member, where it is a side.
 pub const MEMBER_END: &[&str] = &["side"];
 /// `[solver]`.
-pub const SOLVER: &[&str] = &["method", "tolerance", "max_iterations", "rho", "bolt"];
+pub const SOLVER: &[&str] = &[
+    "method",
+    "tolerance",
+    "max_iterations",
+    "rho",
+    "bolt",
+    "subdomains",
+];
 /// `[[step]]`.
 pub const STEP: &[&str] = &["name", "time", "zero_displacements"];
 /// `active` of anything but a body.
@@ -304,6 +311,7 @@ pub const ACTIVE_BODY: &[&str] = &["from", "until", "release"];
 pub const PROBE: &[&str] = &[
     "name",
     "quantity",
+    "expression",
     "at",
     "along",
     "reduce",

@@ -7,7 +7,7 @@ use crate::case::given::GivenMesh;
 use crate::case::mesh_file::{MeshFiles, Named};
 use crate::case::suggest::listed;
 use crate::case::{keys, outline};
-use crate::host::{free_memory, told};
+use crate::host::{free_memory, team, told};
 use crate::mesh::{
     CellKind, Cuboid, Cylinder, Diagonals, Extrude, ImportError, Imported, Mesh, MeshError,
     MeshFile, Path, Rectangle, Ring, Sphere, TunnelRock, pieces,
@@ -293,7 +293,8 @@ fn few_enough<const D: usize>(table: Table<'_>, cells: u128, kind: CellKind) -> 
     let message = if cells > MOST_CELLS as u128 {
         format!("more than {MOST_CELLS} cells in one body")
     } else {
-        let needed = least::<D>(kind, cells as u64);
+        // several processes may share it out
+        let needed = least::<D>(kind, cells as u64) / team().size() as u64;
         // the query takes longer than a small mesh
         let free = (needed > ALWAYS_THERE).then(free_memory).flatten();
         match free.filter(|&free| needed > free) {

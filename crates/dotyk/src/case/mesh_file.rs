@@ -28,6 +28,8 @@ pub(crate) struct MeshFiles {
     pub drawing: Option<Regions>,
     /// Regions that bodies are made of: region, body, place of the name.
     pub used: Vec<(String, String, Span)>,
+    /// Paths of the files, as the text has them.
+    pub named: BTreeSet<String>,
     warnings: Vec<String>,
 }
 
@@ -47,11 +49,15 @@ struct Unused {
 }
 
 impl MeshFiles {
-    /// The content of a file, whose path is relative to the case.
+    /// The content of a file that a node names, given or in the folder of the case.
     ///
     /// Errors: why it cannot be read.
-    pub fn bytes(&self, path: &str) -> Result<Vec<u8>, String> {
-        crate::host::read(&self.folder.join(path))
+    pub fn bytes(&mut self, node: &Node, path: &str) -> Result<Vec<u8>, String> {
+        self.named.insert(path.to_string());
+        match node.given().files.get(path) {
+            Some(bytes) => Ok(bytes.clone()),
+            None => crate::host::read(&self.folder.join(path)),
+        }
     }
 
     /// Adds a warning of reading.
@@ -65,6 +71,7 @@ impl MeshFiles {
             files: Vec::new(),
             drawing: None,
             used: Vec::new(),
+            named: BTreeSet::new(),
             warnings: Vec::new(),
         }
     }
@@ -148,6 +155,7 @@ impl MeshFiles {
         Mesh<D>: Generated<D>,
     {
         let name = node.text()?;
+        self.named.insert(name.to_string());
         let path = self.folder.join(name);
         let known = |opened: &Opened| opened.path == path && opened.dimension == D;
         let place = match self.files.iter().position(known) {

@@ -34,7 +34,7 @@ mod tool;
 
 pub use error::CaseError;
 pub use expression::{ExpressionError, parse as parse_expression};
-pub use given::{Given, GivenMesh, HANDLE, read_mesh, to_json};
+pub use given::{Given, GivenMesh, HANDLE, ReadMesh, read_mesh, to_json};
 pub use reference::{Criterion, Kind, Reference, References, Verdict};
 pub use run::{Failure, Run};
 pub use source::AnyCase;
@@ -52,11 +52,12 @@ use crate::case::suggest::listed;
 use crate::host::free_memory;
 use crate::mesh::Mesh;
 use crate::model::{
-    Analysis, Body, Bolts, Check, Event, MemberKind, Method, Model, Past, ProbeValue, Solution,
-    SolverOptions, Study, Subject, Units, Varied, check_file_names,
+    Analysis, Body, Bolts, Check, Event, Formula, MemberKind, Method, Model, Past, ProbeError,
+    ProbeValue, Solution, SolverOptions, Study, Subdomains, Subject, Units, Varied,
+    check_file_names,
 };
 use crate::solve::ContactSolver;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -78,6 +79,8 @@ pub struct Case<const D: usize> {
     name: Arc<str>,
     folder: Arc<Path>,
     given: Arc<Given>,
+    /// Paths of the files that the text names.
+    files: BTreeSet<String>,
     /// Where the names of bodies and contacts stand, and where probes are read.
     places: Vec<(Subject, Span)>,
     aside: Aside,
@@ -194,6 +197,7 @@ where
     let (mut model, aside) = model.map_err(|fault| fault.in_source(name, text))?;
     model.parameters.clone_from(&source.parameters.values);
     let unused = source.parameters.unused(&source.document);
+    let named = std::mem::take(&mut files.named);
     let mut warnings = files.warnings();
     warnings.extend(initial::along_profiles(&source.document));
     warnings.extend(idle(&unused));
@@ -212,6 +216,7 @@ where
         name: name.into(),
         folder: source.folder.into(),
         given: Arc::clone(&source.parameters.given),
+        files: named,
         places,
         aside,
     })
@@ -226,12 +231,18 @@ fn read_probe<const D: usize>(
 where
     Mesh<D>: Generated<D>,
 {
-    let text = format!("name = \"probe\"\n{text}");
+    let parameters = case.model.parameters.iter();
+    let parameters = parameters.map(|(name, value)| format!("parameters.{name} = {value:?}\n"));
+    let parameters: String = parameters.collect();
+    let text = format!("{parameters}name = \"probe\"\n{text}");
     let source = Source::parse(&text, "probe", &case.folder, &[], &case.given)?;
     let stage = case.model.stage(solution.time);
     // a list of sides becomes a side of the body
     let mut bodies = stage.bodies.clone();
+    let names = case.model.probes.iter().map(|probe| probe.name.as_str());
+    let names: Vec<&str> = names.collect();
     let owners = Owners {
+        probes: &names,
         contacts: &stage.contacts,
         sought: &case.aside.sought,
         sections: &stage.sections,
@@ -239,6 +250,14 @@ where
     };
     let probe = probe::probe(&source.document, &mut bodies, &owners);
     let probe = probe.map_err(|fault| fault.in_source(&source.name, &text))?;
+    let lines = case.model.probes.iter().filter(|probe| probe.is_line());
+    let mut lines = lines.map(|line| &line.name);
+    let taken = probe.quantity.formula().map_or(&[][..], Formula::probes);
+    if let Some(name) = lines.find(|name| taken.contains(name)) {
+        let name = name.clone();
+        let error = ProbeError::<D>::OfLine { name };
+        return Err(CaseError::unplaced(&source.name, &error.to_string()));
+    }
     let model = Model {
         bodies,
         ..stage.into_owned()
@@ -271,6 +290,24 @@ where
 }
 
 impl<const D: usize> Case<D> {
+    /// The text, how messages call it, and where its paths start: what [`AnyCase::from_parts`] makes the same case of.
+    pub fn source(&self) -> (&str, &str, &Path) {
+        (&self.text, &self.name, &self.folder)
+    }
+
+    /// Contents of the files that the text names, by the paths that it has for them, for [`Given::files`]; without those that cannot be
+    /// read now.
+    pub fn files(&self) -> BTreeMap<String, Vec<u8>> {
+        let read = |name: &String| {
+            let content = match self.given.files.get(name) {
+                Some(given) => given.clone(),
+                None => crate::host::read(&self.folder.join(name)).ok()?,
+            };
+            Some((name.clone(), content))
+        };
+        self.files.iter().filter_map(read).collect()
+    }
+
     /// Value of a parameter.
     pub fn parameter(&self, name: &str) -> Option<f64> {
         let parameters = self.model.parameters.iter();
@@ -442,15 +479,17 @@ where
 
     let probes = table.list("probe")?;
     unique_names(probes, "probes")?;
-    let probes = probes.iter();
+    let names: Vec<&str> = probes.iter().filter_map(name_of).collect();
     let owners = Owners {
+        probes: &names,
         contacts: &found.list,
         sought: &found.aside.sought,
         sections: &sections,
         members: &members,
     };
-    let probes = probes.map(|node| probe::probe(node, &mut bodies, &owners));
-    let probes = probes.collect::<Result<Vec<_>, _>>()?;
+    let read = probes.iter();
+    let read = read.map(|node| probe::probe(node, &mut bodies, &owners));
+    let read = read.collect::<Result<Vec<_>, _>>()?;
     for material in bodies.iter_mut().flat_map(|body| &mut body.materials) {
         material.age_until(steps.times.last().copied());
     }
@@ -468,7 +507,7 @@ where
             memory: free_memory(),
             ..solver
         },
-        probes,
+        probes: read,
         times: steps.times,
         step_names: steps.names,
         zeroed: steps.zeroed,
@@ -479,6 +518,9 @@ where
             return Err(members::fault(&error, node, member));
         }
     }
+    model
+        .check_formulas()
+        .map_err(|error| probe::formula_fault(&error, probes))?;
     Ok((model, found.aside))
 }
 
@@ -571,14 +613,16 @@ fn own_names(lists: &[(&[Node], [&str; 2])]) -> Result<(), Fault> {
     Ok(())
 }
 
+/// The name of a table, where it has one.
+fn name_of(node: &Node) -> Option<&str> {
+    let entry = node.entries().ok()?.iter().find(|e| e.key == "name")?;
+    entry.node.text().ok()
+}
+
 /// Refuses a contact that was found under the name of another part; `found` are names with the places of their tables.
 fn names_of_found(found: &[(String, Span)], lists: &[(&[Node], [&str; 2])]) -> Result<(), Fault> {
     let tables = lists.iter().flat_map(|(list, _)| list.iter());
-    let named = tables.filter_map(|node| {
-        let entry = node.entries().ok()?.iter().find(|e| e.key == "name")?;
-        entry.node.text().ok()
-    });
-    let mut names: BTreeSet<&str> = named.collect();
+    let mut names: BTreeSet<&str> = tables.filter_map(name_of).collect();
     match found.iter().find(|(name, _)| !names.insert(name)) {
         None => Ok(()),
         Some((name, span)) => {
@@ -656,7 +700,19 @@ fn solver_options<const D: usize>(node: &Node) -> Result<SolverOptions<D>, Fault
         rho: rho.map_or(Ok(None), step_length)?,
         bolts: bolts.map_or(Ok(default.bolts), bolt_places)?,
         memory: None,
+        subdomains: table
+            .get("subdomains")
+            .map_or(Ok(Subdomains::Auto), subdomains)?,
     })
+}
+
+/// `"auto"`, or a number of pieces.
+fn subdomains(node: &Node) -> Result<Subdomains, Fault> {
+    match &node.value {
+        Value::Text(text) if text == "auto" => Ok(Subdomains::Auto),
+        Value::Text(_) => Err(node.expected("\"auto\" or a number of pieces")),
+        _ => node.positive_integer("`subdomains`").map(Subdomains::Parts),
+    }
 }
 
 fn listed_methods(methods: &[Method]) -> String {

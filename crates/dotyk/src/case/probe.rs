@@ -8,8 +8,8 @@ use crate::case::points::place;
 use crate::case::suggest::listed;
 use crate::geometry::{Field, distance};
 use crate::model::{
-    Along, Body, BodyId, Contact, Member, Mistake, Probe, Quantity, QuantityError, Reading,
-    Section, SectionQuantity,
+    Along, Body, BodyId, Contact, Error, Member, Mistake, Probe, Quantity, QuantityError, Reading,
+    Section, SectionQuantity, Subject,
 };
 
 fn reductions<const D: usize>() -> [(&'static str, Reading<D>); 4] {
@@ -25,6 +25,8 @@ const UNKNOWN: [&str; 2] = ["the nearest known", "known"];
 
 /// What probes read beside bodies.
 pub(crate) struct Owners<'a, const D: usize> {
+    /// Names of all probes.
+    pub probes: &'a [&'a str],
     pub contacts: &'a [Contact<D>],
     /// Bodies between which contacts were sought.
     pub sought: &'a [Sought],
@@ -40,8 +42,12 @@ pub(crate) fn probe<const D: usize>(
 ) -> Result<Probe<D>, Fault> {
     let table = node.table(keys::PROBE)?;
     let name = label(table.require("name", "a probe")?)?;
+    if let Some(entry) = table.entry("expression") {
+        return formula(table, name, entry, owners.probes);
+    }
     let quantity_node = table.require("quantity", "a probe")?;
     let Owners {
+        probes: _,
         contacts,
         sought,
         sections,
@@ -76,6 +82,46 @@ pub(crate) fn probe<const D: usize>(
         name,
         quantity,
     })
+}
+
+/// A number of the values of other probes, which has no other keys.
+fn formula<const D: usize>(
+    table: Table<'_>,
+    name: String,
+    entry: &Entry,
+    probes: &[&str],
+) -> Result<Probe<D>, Fault> {
+    let mut others = keys::PROBE
+        .iter()
+        .filter(|key| !["name", "expression"].contains(*key));
+    if let Some(other) = others.find_map(|key| table.entry(key)) {
+        let message = format!(
+            "probe `{name}` is an expression of other probes, and has no `{}`",
+            other.key
+        );
+        return Err(Fault::new(&other.key_span, message)
+            .label("superfluous beside `expression`")
+            .help("give the probes that the expression names their own `quantity` and place"));
+    }
+    let formula = entry.node.formula(probes)?;
+    Ok(Probe::new(
+        &name,
+        Quantity::of_formula(formula),
+        Reading::Whole,
+    ))
+}
+
+/// The error of a formula at its place among the tables of probes.
+pub(crate) fn formula_fault<const D: usize>(error: &Error<D>, probes: &[Node]) -> Fault {
+    let fields = probes.iter().map(|node| node.entries().unwrap_or_default());
+    let field = |fields: &[Entry], key: &str| fields.iter().position(|entry| entry.key == key);
+    let found = fields.into_iter().find_map(|fields| {
+        let name = fields[field(fields, "name")?].node.text().ok()?;
+        let own = error.subject() == Some(Subject::Probe(name.to_string()));
+        own.then_some(&fields[field(fields, "expression")?].node)
+    });
+    let span = found.map_or(0..0, |node| node.span.clone());
+    Fault::new(&span, error.to_string()).label("this expression")
 }
 
 /// Refuses, for a section, a utilisation without a capacity, and places other than stations.

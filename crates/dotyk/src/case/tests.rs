@@ -3,7 +3,9 @@
 use super::*;
 use crate::geometry::{Field, Surface};
 use crate::mesh::CellKind;
-use crate::model::{BodyId, Gap, Law, Load, Motion, Pair, Pairing, Place, Reading, Rigid};
+use crate::model::{
+    BodyId, Gap, Law, Load, Motion, Pair, Pairing, Place, Reading, Rigid, Subdomains,
+};
 
 /// The example of the documentation.
 const EXAMPLE: &str = r#"
@@ -124,6 +126,22 @@ fn what_is_left_out_has_its_default() {
     assert!(model.contacts[0].gap.is_none() && model.contacts[0].pairing.is_none());
     let model = model_with("[solver]\nmethod    = \"auto\"\ntolerance = 1e-8\n", "");
     assert_eq!(model.solver.tolerance, 1e-8);
+}
+
+#[test]
+fn subdomains_are_a_number_or_chosen() {
+    let text = |value: &str| {
+        let line = format!("tolerance = 1e-8\nsubdomains = {value}\n");
+        example("tolerance = 1e-8\n", &line)
+    };
+    let given = |value: &str| read(&text(value)).unwrap().model.solver.subdomains;
+    assert_eq!(given("\"auto\""), Subdomains::Auto);
+    assert_eq!(given("12"), Subdomains::Parts(12));
+    for wrong in ["0", "-3", "2.5", "\"many\"", "true", "[2]"] {
+        let error = read(&text(wrong)).unwrap_err();
+        let span = error.span.clone().unwrap();
+        assert_eq!(&error.source_text[span], wrong);
+    }
 }
 
 #[test]
@@ -330,6 +348,60 @@ fn every_quantity_is_known() {
         (probe.reading, probe.minus_rigid),
         (Reading::MeanOfNeighbours([2.0, 1.0]), Some(BodyId(1)))
     );
+}
+
+#[test]
+fn a_probe_may_be_an_expression_of_others() {
+    let more = "\n[[probe]]\nname = \"half\"\nexpression = \"0.5*'middle pressure' + later\"\n\
+                [[probe]]\nname = \"later\"\nexpression = \"t\"\n[[probe]]\nname = \"line\"\n\
+                quantity = \"sole.gap\"\nalong = \"punch.bottom\"";
+    let old = "quantity = \"sole.pressure\"\nat       = [2.0, 1.0]";
+    let with = format!("{old}{more}");
+    let model = model_with(old, &with);
+    let formula = model.probes[1].quantity.formula().unwrap();
+    assert_eq!(formula.probes(), ["middle pressure", "later"]);
+    for (from, to, underlined, words) in [
+        (
+            "+ later",
+            "+ latter",
+            "l",
+            "unknown name `latter`, the nearest known is `later`",
+        ),
+        (
+            "+ later",
+            "+ half",
+            "\"0.5*'middle pressure' + half\"",
+            "depends on itself: half → half",
+        ),
+        (
+            "\"t\"",
+            "\"half/2\"",
+            "\"0.5*'middle pressure' + later\"",
+            "half → later → half",
+        ),
+        (
+            "\"t\"",
+            "\"2*line\"",
+            "\"2*line\"",
+            "`line` has values along a line",
+        ),
+        (
+            "\"t\"",
+            "\"t\"\nfactor = 2",
+            "factor",
+            "has no `factor` | superfluous",
+        ),
+        (
+            "\"t\"",
+            "\"t\"\nquantity = \"sole.length\"",
+            "quantity",
+            "has no `quantity`",
+        ),
+        ("\"t\"", "2", "2", "expected a string"),
+    ] {
+        assert_eq!(with.matches(from).count(), 1, "{from}");
+        assert_mistake(old, &with.replace(from, to), underlined, &[words]);
+    }
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn triangles<const D: usize>(
     files: &mut MeshFiles,
 ) -> Result<Parts<D>, Fault> {
     let fault = |why: String| Fault::new(&node.span, format!("STL file `{path}`: {why}"));
-    let bytes = files.bytes(path).map_err(fault)?;
+    let bytes = files.bytes(node, path).map_err(fault)?;
     let read = Triangles::read(&bytes).map_err(|error| fault(error.to_string()))?;
     let Triangles {
         points,

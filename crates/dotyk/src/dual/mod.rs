@@ -58,7 +58,48 @@ pub enum Compliance {
         apply: Box<dyn LinearOperator>,
         /// x ↦ Mx, an approximation of F⁻¹ (scaled Dirichlet preconditioner).
         preconditioner: Box<dyn LinearOperator>,
+        /// The forces that glue the pieces of which bodies are made.
+        glue: Option<Box<dyn Glue>>,
     },
+}
+
+/// Bodies in pieces: contact forces λ (m,) beside forces t (g,) of the glue, which have no resultant, and jumps (g,) of the
+/// displacements. F belongs to the forces of the glue that leave no jumps. Pieces have N rigid motions R; those that the forces of the
+/// glue resist, seen as springs of stiffness D, have the stiffness RᵀDJR.
+pub trait Glue: Send + Sync {
+    /// Number g of forces of the glue.
+    fn len(&self) -> usize;
+    /// There is no glue.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Number N of rigid motions of all pieces.
+    fn modes(&self) -> usize;
+    /// BR: of every contact row (m) its motions by those of pieces.
+    fn motions(&self) -> &[Vec<(usize, f64)>];
+    /// Entries of RᵀDJR (N, N), of which those above the diagonal may be missing.
+    fn network(&self) -> Vec<(usize, usize, f64)>;
+    /// work = Rᵀt, (N,).
+    fn works(&self, t: &[f64], work: &mut [f64]);
+    /// pull = RᵀDJu, (N,), of jumps.
+    fn pulls(&self, jumps: &[f64], pull: &mut [f64]);
+    /// t ← t + DJRβ.
+    fn push(&self, amplitudes: &[f64], t: &mut [f64]);
+    /// Jumps ← jumps + JRα.
+    fn part(&self, amplitudes: &[f64], jumps: &mut [f64]);
+    /// The motion of the contact rows (m,) and the jumps (g,) under balanced forces, pieces `placed` such that the jumps are least, or
+    /// somewhere.
+    fn respond(
+        &self,
+        forces: (&[f64], &[f64]),
+        placed: bool,
+        product: &mut [f64],
+        jumps: &mut [f64],
+    );
+    /// Keeps the forces of the glue that belong to λ: displacements under λ are soon asked for.
+    fn keep(&self, lambda: &[f64], t: &[f64]);
+    /// Forces (m,) and (g,) that about cause some motions of the contact rows (m,) and jumps (g,).
+    fn precondition(&self, product: &[f64], jumps: &[f64], lambda: &mut [f64], t: &mut [f64]);
 }
 
 impl Compliance {
@@ -555,6 +596,7 @@ mod tests {
         Compliance::Operator {
             apply: Box::new(Applied(f.clone())),
             preconditioner: Box::new(Applied(Mat::identity(f.nrows(), f.nrows()))),
+            glue: None,
         }
     }
 

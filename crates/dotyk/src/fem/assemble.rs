@@ -21,7 +21,8 @@ use std::collections::BTreeMap;
 pub struct BodySystem<const D: usize> {
     /// Node graph of the mesh.
     pub graph: Graph,
-    /// K, (D·n, D·n), held dofs included.
+    /// K, (D·n, D·n), held dofs included; of a body that is to be divided without the entries between different nodes of cells at
+    /// which nothing is held: the diagonal is whole, and so is K u_D.
     pub stiffness: SymmetricMatrix,
     /// f, (D·n,), a force.
     pub load: Vec<f64>,
@@ -45,6 +46,8 @@ pub struct BodySystem<const D: usize> {
     pub modes: Vec<Vec<f64>>,
     /// State of its supports, springs and neighbours after earlier load steps.
     pub(crate) history: History<D>,
+    /// K has all of its entries.
+    pub(crate) is_whole: bool,
 }
 
 impl<const D: usize> Body<D> {
@@ -119,15 +122,15 @@ pub fn assemble<const D: usize>(
     analysis: Analysis,
     time: f64,
 ) -> Result<BodySystem<D>, FemError> {
-    assemble_after(body, History::default(), analysis, time)
+    assemble_after((body, History::default()), analysis, time, true)
 }
 
-/// The same, with the history of earlier load steps.
+/// The same, with the history of earlier load steps; of a body that is to be divided not the whole of K.
 pub(crate) fn assemble_after<const D: usize>(
-    body: &Body<D>,
-    history: History<D>,
+    (body, history): (&Body<D>, History<D>),
     analysis: Analysis,
     time: f64,
+    is_whole: bool,
 ) -> Result<BodySystem<D>, FemError> {
     body.check_materials()?;
     if (analysis == Analysis::Solid) != (D == 3) {
@@ -157,9 +160,14 @@ pub(crate) fn assemble_after<const D: usize>(
         })
         .collect();
     let graph = Graph::from_cells(body.mesh.points().len(), &blocks);
-    let mut stiffness = stiffness(body, analysis, &graph)?;
+    let mut stiffness = match is_whole {
+        true => stiffness(body, analysis, &graph)?,
+        false => stiffness_at(body, analysis, &constraints)?,
+    };
     for (row, column, value) in spring_stiffness(body, analysis)? {
-        stiffness.add(row, column, value);
+        if is_whole || stiffness.stores(row, column) {
+            stiffness.add(row, column, value);
+        }
     }
     stiffness.turn(&frames);
     let mut held = vec![false; D * body.mesh.points().len()];
@@ -192,6 +200,7 @@ pub(crate) fn assemble_after<const D: usize>(
         frames,
         modes,
         history,
+        is_whole,
     })
 }
 
@@ -353,6 +362,7 @@ impl<const D: usize> BodySystem<D> {
             modes: (0..dofs).filter(|&i| !held[i]).map(unit).collect(),
             held,
             history: History::default(),
+            is_whole: true,
         }
     }
 
@@ -463,7 +473,10 @@ impl<const D: usize> BodySystem<D> {
     }
 }
 
-fn into_frames<const D: usize>(frames: &BTreeMap<usize, [[f64; D]; D]>, vector: &mut [f64]) {
+pub(super) fn into_frames<const D: usize>(
+    frames: &BTreeMap<usize, [[f64; D]; D]>,
+    vector: &mut [f64],
+) {
     for (&node, axes) in frames {
         let global: Point<D> = std::array::from_fn(|i| vector[D * node + i]);
         for k in 0..D {
@@ -533,7 +546,59 @@ fn check_radii<const D: usize>(body: &Body<D>) -> Result<(), FemError> {
 /// Cells per parallel task.
 const CHUNK: usize = 128;
 
-fn stiffness<const D: usize>(
+/// What is to be kept of the matrices of some cells of a body, `size` numbers of each; `keep` gets a matrix, row by row, and the number
+/// of its columns.
+fn of_cells<const D: usize>(
+    own: &Cells<'_, D>,
+    (nodes, each): (&[u32], usize),
+    size: usize,
+    keep: impl Fn(&[f64], usize, &mut [f64]) + Sync,
+) -> Vec<f64> {
+    let whole = own.size();
+    let mut values = vec![0.0; size * (nodes.len() / each)];
+    let chunks = values.par_chunks_mut(size * CHUNK);
+    chunks
+        .zip(nodes.par_chunks(each * CHUNK))
+        .for_each(|(out, cells)| {
+            let mut matrix = vec![0.0; whole * whole];
+            for (out, cell) in out.chunks_exact_mut(size).zip(cells.chunks_exact(each)) {
+                own.stiffness(cell, &mut matrix);
+                keep(&matrix, whole, out);
+            }
+        });
+    values
+}
+
+/// The packed lower triangles of the matrices of some cells.
+fn triangles<const D: usize>(own: &Cells<'_, D>, nodes: &[u32], each: usize) -> Vec<f64> {
+    let size = D * each;
+    of_cells(
+        own,
+        (nodes, each),
+        size * (size + 1) / 2,
+        |matrix, columns, out| {
+            for i in 0..size {
+                let row = i * (i + 1) / 2;
+                out[row..=row + i].copy_from_slice(&matrix[i * columns..=i * columns + i]);
+            }
+        },
+    )
+}
+
+/// The same of the block of each of their nodes alone.
+fn blocks_of_nodes<const D: usize>(own: &Cells<'_, D>, nodes: &[u32], each: usize) -> Vec<f64> {
+    let packed = D * (D + 1) / 2;
+    of_cells(own, (nodes, each), packed * each, |matrix, columns, out| {
+        for (node, out) in out.chunks_exact_mut(packed).enumerate() {
+            for i in 0..D {
+                let (row, from) = (i * (i + 1) / 2, (D * node + i) * columns + D * node);
+                out[row..=row + i].copy_from_slice(&matrix[from..=from + i]);
+            }
+        }
+    })
+}
+
+pub(super) fn stiffness<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
     graph: &Graph,
@@ -541,37 +606,48 @@ fn stiffness<const D: usize>(
     let mut matrices = Vec::new();
     for block in body.mesh.blocks() {
         let own = Cells::new(body, block, analysis, body.formulation)?;
-        let k = block.kind.nodes();
-        let (size, whole) = (D * k, own.size());
-        let packed = size * (size + 1) / 2;
-        let mut values = vec![0.0; packed * (block.nodes.len() / k)];
-        values
-            .par_chunks_mut(packed * CHUNK)
-            .zip(block.nodes.par_chunks(k * CHUNK))
-            .for_each(|(out, cells)| {
-                let mut matrix = vec![0.0; whole * whole];
-                for (out, cell) in out.chunks_exact_mut(packed).zip(cells.chunks_exact(k)) {
-                    own.stiffness(cell, &mut matrix);
-                    for i in 0..size {
-                        let row = i * (i + 1) / 2;
-                        out[row..=row + i].copy_from_slice(&matrix[i * whole..=i * whole + i]);
-                    }
-                }
-            });
-        matrices.push(values);
+        matrices.push(triangles(&own, &block.nodes, block.kind.nodes()));
     }
-    let cells: Vec<CellMatrices<'_>> = body
-        .mesh
-        .blocks()
-        .iter()
-        .zip(&matrices)
-        .map(|(block, values)| CellMatrices {
-            nodes: &block.nodes,
-            nodes_per_cell: block.kind.nodes(),
-            values,
-        })
-        .collect();
+    let blocks = body.mesh.blocks().iter().zip(&matrices);
+    let cells = blocks.map(|(block, values)| CellMatrices {
+        nodes: &block.nodes,
+        nodes_per_cell: block.kind.nodes(),
+        values,
+    });
+    let cells: Vec<CellMatrices<'_>> = cells.collect();
     assemble_blocks::<D>(graph, &cells).map_err(|source| not_finite(body, source))
+}
+
+/// The stiffness of cells at which some node is held, and of the others the blocks of their nodes.
+fn stiffness_at<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+    constraints: &Constraints<D>,
+) -> Result<SymmetricMatrix, FemError> {
+    let mut parts = Vec::new();
+    for block in body.mesh.blocks() {
+        let own = Cells::new(body, block, analysis, body.formulation)?;
+        let each = block.kind.nodes();
+        let is_held = |cell: &&[u32]| {
+            let mut nodes = cell.iter();
+            nodes.any(|&node| constraints.nodes.contains_key(&(node as usize)))
+        };
+        let (held, free): (Vec<&[u32]>, Vec<&[u32]>) = block.cells().partition(is_held);
+        let (held, free) = (held.concat(), free.concat());
+        let values = triangles(&own, &held, each);
+        parts.push((held, each, values));
+        let values = blocks_of_nodes(&own, &free, each);
+        parts.push((free, 1, values));
+    }
+    let cells = parts.iter().map(|(nodes, each, values)| CellMatrices {
+        nodes,
+        nodes_per_cell: *each,
+        values,
+    });
+    let cells: Vec<CellMatrices<'_>> = cells.collect();
+    let pairs: Vec<Connectivity<'_>> = cells.iter().map(CellMatrices::connectivity).collect();
+    let graph = Graph::from_cells(body.mesh.points().len(), &pairs);
+    assemble_blocks::<D>(&graph, &cells).map_err(|source| not_finite(body, source))
 }
 
 fn not_finite<const D: usize>(body: &Body<D>, source: LinalgError) -> FemError {

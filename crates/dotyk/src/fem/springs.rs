@@ -280,29 +280,48 @@ fn shares<const D: usize>(
     }
 }
 
-/// Entries (row, column, value) of the stiffness of the springs of a body, in global axes, both triangles.
+/// Row, column and value of an entry of a matrix.
+pub(super) type Entry = (usize, usize, f64);
+
+/// Entries of the stiffness of the springs of a body, in global axes, both triangles.
 ///
-/// Errors: a stiffness that is negative or no number, unknown or empty sides, points off the body.
+/// Errors: as [`spring_points`].
 pub(crate) fn spring_stiffness<const D: usize>(
     body: &Body<D>,
     analysis: Analysis,
-) -> Result<Vec<(usize, usize, f64)>, FemError> {
+) -> Result<Vec<Entry>, FemError> {
     let mut sums: BTreeMap<(usize, usize), f64> = BTreeMap::new();
+    for (i, j, value) in spring_points(body, analysis)?.into_iter().flatten() {
+        *sums.entry((i, j)).or_insert(0.0) += value;
+    }
+    Ok(sums.into_iter().map(|((i, j), v)| (i, j, v)).collect())
+}
+
+/// The same of every point of the springs, whose stiffness is not negative by itself.
+///
+/// Errors: a stiffness that is negative or no number, unknown or empty sides, points off the body.
+pub(super) fn spring_points<const D: usize>(
+    body: &Body<D>,
+    analysis: Analysis,
+) -> Result<Vec<Vec<Entry>>, FemError> {
+    let mut points = Vec::new();
     for spring in &body.springs {
         spring.check()?;
         for share in shares(body, analysis, spring)? {
+            let mut entries = Vec::new();
             for &(a, na) in &share.nodes {
                 for &(b, nb) in &share.nodes {
                     for (i, row) in share.tensor.iter().enumerate() {
                         for (j, value) in row.iter().enumerate() {
-                            *sums.entry((D * a + i, D * b + j)).or_insert(0.0) += na * nb * value;
+                            entries.push((D * a + i, D * b + j, na * nb * value));
                         }
                     }
                 }
             }
+            points.push(entries);
         }
     }
-    Ok(sums.into_iter().map(|((i, j), v)| (i, j, v)).collect())
+    Ok(points)
 }
 
 /// Nodal forces that displace a spring of a body, (nodes,), in global axes: ∫ NᵀCu dS.

@@ -7,6 +7,7 @@
 //! Products of matrices reserve two buffers as large as the third cache for each thread. Reserved is not taken: that counts only
 //! where the address space is limited.
 
+use crate::host::team::{least, team};
 use crate::host::threads::started;
 use std::fs::read_to_string;
 
@@ -15,7 +16,15 @@ const CACHE: u64 = 32 << 20;
 
 /// Bytes that this process may still take: what the system says is available, or less where a control group or a limit of the
 /// address space bounds it; `None` where the system does not tell.
+///
+/// Of several processes the least, where each has an equal part of the memory of its machine: all have to ask.
 pub fn free_memory() -> Option<u64> {
+    let team = team();
+    let neighbours = team.neighbours() as u64;
+    least(&*team, free_here().map(|bytes| bytes / neighbours))
+}
+
+fn free_here() -> Option<u64> {
     let available = kibibytes(&read_to_string("/proc/meminfo").ok()?, "MemAvailable:")?;
     let group = |name: &str| {
         let text = read_to_string(format!("/sys/fs/cgroup/memory.{name}")).ok()?;

@@ -1,6 +1,7 @@
 //! Number of threads.
 
 use crate::host::memory::{address_space, of_products, told};
+use crate::host::team::team;
 use rayon::ThreadPoolBuilder;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::available_parallelism;
@@ -15,15 +16,21 @@ const OF_ALLOCATOR: u64 = 136 << 20;
 const OF_MODEL: u64 = 32 << 20;
 
 /// A pool of that many threads, to be built; without a number as many as there are processors, or as fit a limited address
-/// space.
+/// space, and one in a process that works with others.
 ///
-/// Errors: more threads than any machine has processors; too little room for them, in words.
+/// Errors: more threads than any machine has processors; several in one of several processes; too little room for them, in words.
 pub fn threads(wanted: Option<usize>) -> Result<ThreadPoolBuilder, String> {
     if let Some(wanted) = wanted.filter(|&wanted| wanted > MOST_THREADS) {
         return Err(format!(
             "{wanted} threads are too many, at most {MOST_THREADS}"
         ));
     }
+    let several = team().size() > 1;
+    if several && wanted.is_some_and(|wanted| wanted > 1) {
+        let advice = "every process works on one thread: start more processes instead";
+        return Err(advice.to_string());
+    }
+    let wanted = if several { Some(1) } else { wanted };
     let pool = ThreadPoolBuilder::new();
     let Some(left) = address_space() else {
         return Ok(pool.num_threads(wanted.unwrap_or(0)));

@@ -13,13 +13,17 @@
 //! Units are those of the caller. Indices are stored as `u32`: at most 2³¹ entries in a matrix or a factor.
 
 mod cholesky;
+mod condensed;
 pub(crate) mod dense;
+mod elimination;
+mod glued;
 mod gram;
 mod order;
 pub(crate) mod signed;
 mod sparse;
 mod sparse_lu;
 
+use crate::host::Team;
 pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use dense::{Lu, gram, product, transpose_product};
 pub use faer::Mat;
@@ -28,7 +32,11 @@ pub use sparse::{
     CellMatrices, Connectivity, Graph, SparseMatrix, SparseVector, SymmetricMatrix, assemble_blocks,
 };
 
+pub(crate) use condensed::Piece;
 pub(crate) use dense::{least_squares, null_space, pivoted_cholesky, solve_lower_in_place};
+use elimination::elimination_order;
+pub(crate) use elimination::{analyse, factor_scattered, ground, some_of_node};
+pub(crate) use glued::{Divided, Glued};
 pub(crate) use gram::WeightedGram;
 pub(crate) use sparse_lu::SparseLu;
 
@@ -119,6 +127,70 @@ pub enum LinalgError {
         /// Number of columns.
         columns: usize,
     },
+}
+
+impl LinalgError {
+    /// The same with the dof of a whole for each dof of a part.
+    pub(crate) fn at(self, of_whole: impl Fn(usize) -> usize) -> Self {
+        match self {
+            Self::NotPositiveDefinite { dof } => Self::NotPositiveDefinite { dof: of_whole(dof) },
+            Self::NearlySingular { dof, ratio } => Self::NearlySingular {
+                dof: of_whole(dof),
+                ratio,
+            },
+            Self::NotFinite { row } => Self::NotFinite { row: of_whole(row) },
+            other => other,
+        }
+    }
+
+    /// As numbers: its kind, and what it tells.
+    fn coded(self) -> [f64; 3] {
+        let (kind, told, other) = match self {
+            Self::NotPositiveDefinite { dof } => (0, dof, 0.0),
+            Self::NearlySingular { dof, ratio } => (1, dof, ratio),
+            Self::NotFinite { row } => (2, row, 0.0),
+            Self::InvalidOrder { dof } => (3, dof, 0.0),
+            Self::WrongPattern { expected, found } => (4, expected, found as f64),
+            Self::TooLarge { unknowns } => (5, unknowns, 0.0),
+            Self::Singular { column } => (6, column, 0.0),
+            Self::NoConvergence { rows, columns } => (7, rows, columns as f64),
+        };
+        [f64::from(kind), told as f64, other]
+    }
+
+    fn decoded([kind, told, other]: [f64; 3]) -> Self {
+        let (dof, found) = (told as usize, other as usize);
+        match kind as usize {
+            0 => Self::NotPositiveDefinite { dof },
+            1 => Self::NearlySingular { dof, ratio: other },
+            2 => Self::NotFinite { row: dof },
+            3 => Self::InvalidOrder { dof },
+            4 => Self::WrongPattern {
+                expected: dof,
+                found,
+            },
+            5 => Self::TooLarge { unknowns: dof },
+            6 => Self::Singular { column: dof },
+            _ => Self::NoConvergence {
+                rows: dof,
+                columns: found,
+            },
+        }
+    }
+}
+
+/// What a process has, unless another one has met an error: then all have the error of the first that has.
+fn agreed<T>(team: &dyn Team, own: Result<T, LinalgError>) -> Result<T, LinalgError> {
+    let (own, told) = match own {
+        Ok(own) => (Some(own), Vec::new()),
+        Err(error) => (None, error.coded().to_vec()),
+    };
+    match (team.join("errors", told).first_chunk(), own) {
+        (Some(told), _) => Err(LinalgError::decoded(*told)),
+        (None, Some(own)) => Ok(own),
+        // a process with an error has told it
+        (None, None) => Err(LinalgError::TooLarge { unknowns: 0 }),
+    }
 }
 
 /// Elastic grids for the tests of this module.

@@ -364,7 +364,8 @@ impl Graph {
         self.neighbours.len()
     }
 
-    fn slots(&self, node: usize) -> &[u32] {
+    /// Slots that name a node, one for each cell at it.
+    pub(super) fn slots(&self, node: usize) -> &[u32] {
         &self.slots[self.slot_start[node]..self.slot_start[node + 1]]
     }
 
@@ -526,6 +527,11 @@ impl SymmetricMatrix {
         #[expect(clippy::expect_used, reason = "documented panic")]
         let place = place.expect("an entry that is stored");
         self.values[place] += value;
+    }
+
+    /// Whether an entry is stored, or is ignored by [`Self::add`].
+    pub(crate) fn stores(&self, row: usize, column: usize) -> bool {
+        row < column || self.place(row, column).is_some()
     }
 
     /// The diagonal, (n,).

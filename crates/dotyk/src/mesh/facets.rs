@@ -262,32 +262,19 @@ impl<const D: usize> Mesh<D> {
     ///
     /// Parts are numbered from zero in the order of their first cells. Cells that share only a node are not connected.
     pub fn facet_components(&self) -> Vec<u32> {
-        let mut first = vec![0];
-        for block in &self.blocks {
-            first.push(first[first.len() - 1] + block.cells().len());
-        }
-        let cell = |facet: Facet| first[facet.block as usize] + facet.cell as usize;
-        let mut parent: Vec<usize> = (0..self.cell_count()).collect();
-        for group in self.facet_table().groups() {
-            for pair in group.windows(2) {
-                let a = root(&mut parent, cell(pair[0].1));
-                let b = root(&mut parent, cell(pair[1].1));
-                parent[a.max(b)] = a.min(b);
-            }
-        }
-        // A root is the first cell of its part, so its number is known when the others ask for it.
-        let mut component = vec![0; parent.len()];
-        let mut count = 0;
-        for cell in 0..parent.len() {
-            let root = root(&mut parent, cell);
-            if root == cell {
-                component[cell] = count;
-                count += 1;
-            } else {
-                component[cell] = component[root];
-            }
-        }
-        component
+        components(self.cell_count(), self.neighbours())
+    }
+
+    /// Pairs of cells that share a facet, counted block after block.
+    pub(crate) fn neighbours(&self) -> Vec<[u32; 2]> {
+        let blocks = 0..self.blocks.len();
+        let before: Vec<usize> = blocks.map(|block| self.cells_before(block)).collect();
+        let cell = |facet: Facet| before[facet.block as usize] as u32 + facet.cell;
+        let table = self.facet_table();
+        let groups = table.groups().flat_map(|group| group.windows(2));
+        groups
+            .map(|pair| [cell(pair[0].1), cell(pair[1].1)])
+            .collect()
     }
 
     /// Number of parts in [`Self::facet_components`].
@@ -410,6 +397,29 @@ impl Mesh<2> {
             cyclic,
         }
     }
+}
+
+/// The number of the connected part of each of some things, of which pairs are connected. Parts are numbered from zero in the order
+/// of their first members.
+pub(crate) fn components(things: usize, pairs: impl IntoIterator<Item = [u32; 2]>) -> Vec<u32> {
+    let mut parent: Vec<usize> = (0..things).collect();
+    for pair in pairs {
+        let [a, b] = pair.map(|thing| root(&mut parent, thing as usize));
+        parent[a.max(b)] = a.min(b);
+    }
+    // A root is the first of its part, so its number is known when the others ask for it.
+    let mut component = vec![0; things];
+    let mut count = 0;
+    for thing in 0..things {
+        let root = root(&mut parent, thing);
+        if root == thing {
+            component[thing] = count;
+            count += 1;
+        } else {
+            component[thing] = component[root];
+        }
+    }
+    component
 }
 
 fn root(parent: &mut [usize], mut cell: usize) -> usize {

@@ -19,6 +19,7 @@ mod locate;
 mod nearest;
 mod on_surface;
 mod outline;
+mod pieces;
 mod recipe;
 mod reference;
 mod shell;
@@ -44,6 +45,7 @@ pub use outline::{
     Contour, Division, Drawing, EdgeShape, Outline, OutlineEdge, OutlinePart, OutlinePlace, Region,
     Regions,
 };
+pub(crate) use pieces::Count;
 pub use recipe::{Generator, Recipe};
 pub use reference::{CellKind, Domain};
 pub(crate) use shell::Segments;
@@ -101,15 +103,24 @@ impl<const D: usize> Mesh<D> {
         curves: BTreeMap<Facet, Surface<D>>,
     ) -> Result<Self, MeshError> {
         Self {
-            points,
-            blocks,
             sides,
             curves,
+            ..Self::of_parts(points, blocks)
+        }
+        .checked()
+    }
+
+    /// Nodes and cells that were checked before, without sides.
+    fn of_parts(points: Vec<Point<D>>, blocks: Vec<CellBlock>) -> Self {
+        Self {
+            points,
+            blocks,
+            sides: BTreeMap::new(),
+            curves: BTreeMap::new(),
             recipe: Recipe::default(),
             found: Found::default(),
             shell: false,
         }
-        .checked()
     }
 
     /// The same cells and sides with every point moved to f(point). Under a reflection the cells are turned. The curves behind

@@ -22,7 +22,7 @@ pub use ask::check::{BodyCheck, Check, MemberCheck};
 pub use ask::compare::{Comparison, ComparisonRow};
 pub use ask::dual::{Dual, Unknown};
 pub(crate) use ask::found::find;
-pub use ask::study::{Column, Make, Study, StudyMember, Varied};
+pub use ask::study::{Column, Make, Study, StudyMember, StudyRow, Varied};
 pub use march::past::{Past, PastBody, PastNode};
 pub use march::reuse::Reuse;
 pub use nouns::capacity::{Capacity, Reinforcement};
@@ -33,6 +33,7 @@ pub(crate) use nouns::field::numbers_at_nodes;
 pub use nouns::field::{BodyField, On, Shape};
 pub use nouns::file_names::{NameError, check_file_names};
 pub use nouns::finding::{Finding, FindingError, Found};
+pub use nouns::formula::Formula;
 pub use nouns::gasket::{Gasket, GasketError};
 pub use nouns::ids::*;
 pub use nouns::intrusion::Intrusion;
@@ -43,7 +44,7 @@ pub use nouns::members::*;
 pub use nouns::model::*;
 pub use nouns::quantity::{Mistake, Quantity, QuantityError};
 pub use nouns::section::{
-    Section, SectionError, SectionQuantity, SectionSolution, Station, Stations,
+    Across, Extrusion, Section, SectionError, SectionQuantity, SectionSolution, Station, Stations,
 };
 pub use nouns::solution::*;
 pub(crate) use nouns::told::{listed, told_in_steps};

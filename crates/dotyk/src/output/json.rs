@@ -80,6 +80,7 @@ fn step_summary<'a, const D: usize>(
     let bodies = stage.bodies.iter().zip(&solution.bodies);
     let probes = solution.probes.iter();
     let contacts = solution.contacts.iter();
+    let divided = solution.division.iterations > 0;
     Summary {
         case: run.stem,
         version: VERSION,
@@ -94,6 +95,9 @@ fn step_summary<'a, const D: usize>(
         contraction: solution.solver.contraction,
         dofs: solution.dofs,
         contact_unknowns: solution.contact_unknowns,
+        subdomains: solution.division.subdomains,
+        coarse_size: divided.then_some(solution.division.coarse),
+        glue_iterations: divided.then_some(solution.division.iterations),
         threads: solution.threads,
         peak_memory_bytes: run.peak_memory,
         seconds: solution.seconds.into(),
@@ -208,6 +212,12 @@ struct Summary<'a> {
     contraction: Option<f64>,
     dofs: usize,
     contact_unknowns: usize,
+    subdomains: usize,
+    /// Only where a body is divided.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coarse_size: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    glue_iterations: Option<usize>,
     threads: usize,
     peak_memory_bytes: u64,
     seconds: SecondsEntry,
@@ -785,6 +795,7 @@ mod tests {
                 "iterations",
                 "dofs",
                 "contact_unknowns",
+                "subdomains",
                 "threads",
                 "peak_memory_bytes",
                 "seconds",

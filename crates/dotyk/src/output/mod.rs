@@ -35,6 +35,7 @@ mod report;
 mod scene;
 mod sections;
 mod setup;
+mod solutions;
 mod space;
 mod state;
 mod steps;
@@ -59,7 +60,7 @@ pub use text::Scales;
 
 use crate::dual::Multipliers;
 use crate::geometry::Point;
-use crate::host::peak_memory_bytes;
+use crate::host::{peak_memory_bytes, processes};
 use crate::model::{Check, Comparison, Dual, MemberKind, Model, Past, Seconds, Solution, Study};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -341,6 +342,14 @@ macro_rules! doors {
             }
         }
 
+        impl Record<'_, $D> {
+            /// The solutions of the steps as bytes, from which the same version makes the same ones with
+            /// [`Model::read_solutions`](Model).
+            pub fn solutions(&self) -> Vec<u8> {
+                solutions::solutions(self.model, self.steps)
+            }
+        }
+
         impl Check<$D> {
             /// Writes `check.html`, the mesh-and-supports page of an unsolved model, with the findings of its check.
             ///
@@ -386,6 +395,13 @@ macro_rules! doors {
             pub fn past(&self, dir: &Path) -> Result<Vec<Past<$D>>, PastError> {
                 past::past(dir)
             }
+
+            /// The solutions of steps of this model, to the bit, from the bytes that [`Record::solutions`](Record) made of them.
+            ///
+            /// Errors, in words: bytes of another version, or that are cut off; other meshes, bodies or contacts.
+            pub fn read_solutions(&self, bytes: &[u8]) -> Result<Vec<Solution<$D>>, String> {
+                solutions::read_solutions(self, bytes)
+            }
         }
     )*};
 }
@@ -412,9 +428,11 @@ fn write_files<const D: usize>(
         let bodies: Vec<usize> = (0..model.bodies.len()).collect();
         // side by side, but no more of them in memory than that takes
         for some in bodies.chunks(rayon::current_num_threads()) {
-            let files = some.par_iter().map(|&i| vtu::body_vtu(model, solution, i));
-            for (&i, file) in some.iter().zip(files.collect::<Vec<_>>()) {
+            let files = some.par_iter().map(|&i| {
                 let name = vtu::file_name(&model.bodies[i].name, step, several);
+                body_files(model, solution, (i, name))
+            });
+            for (name, file) in files.collect::<Vec<_>>().concat() {
                 stage.put(&name, file.as_bytes())?;
             }
         }
@@ -465,6 +483,28 @@ fn write_files<const D: usize>(
     Ok(Written { files, summary })
 }
 
+/// The file of a body, or those of its parts and one that names them where a team writes.
+fn body_files<const D: usize>(
+    model: &Model<D>,
+    solution: &Solution<D>,
+    (body, name): (usize, String),
+) -> Vec<(String, String)> {
+    let Some(count) = processes() else {
+        return vec![(name, vtu::body_vtu(model, solution, body))];
+    };
+    let fields = vtu::Fields::of(model, solution, body);
+    let parts = vtu::parts(&model.bodies[body].mesh, count);
+    let parts = parts.par_iter().enumerate().map(|(k, part)| {
+        let content = vtu::part_vtu(model, solution, (body, &fields), Some(part));
+        (vtu::part_name(&name, k), content)
+    });
+    let mut files: Vec<(String, String)> = parts.collect();
+    let names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
+    let whole = files.first().map(|(_, part)| vtu::whole(part, &names));
+    files.extend(whole.map(|whole| (name, whole)));
+    files
+}
+
 /// As [`Record::<2>::write_summary`](Record).
 fn write_summary<const D: usize>(
     record: &Record<'_, D>,
@@ -503,6 +543,9 @@ fn earlier_files(dir: &Path) -> Vec<String> {
     let read = |name: &str| std::fs::read_to_string(dir.join(name)).unwrap_or_default();
     let text = read(COLLECTION);
     let mut files = vtu::collected(&text);
+    let wholes = files.iter().filter(|name| name.ends_with(".pvtu"));
+    let parts: Vec<String> = wholes.flat_map(|name| vtu::sources(&read(name))).collect();
+    files.extend(parts);
     files.extend(vtu::collected_blocks(&text));
     if read(LINES).starts_with(csv::LINES_HEAD) {
         files.push(LINES.to_string());

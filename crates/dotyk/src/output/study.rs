@@ -1,6 +1,6 @@
 //! `study.csv`, the page of a study, probes against the varied parameters, and its picture, probes against each other.
 
-use crate::model::{Column, Study, StudyMember};
+use crate::model::{Column, Study, StudyMember, Varied};
 use crate::output::csv::quoted;
 use crate::output::html::{self, Head, column, figure, fitted, left, plain, table, text};
 use crate::output::json::VERSION;
@@ -22,19 +22,20 @@ const MOST_DOTS: usize = 200;
 /// Most warnings on the page.
 const MOST_WARNINGS: usize = 20;
 
-/// Content of `study.csv`: values of the varied parameters, probes (of the last load step), whether every step converged, and
-/// if not why not.
+/// Content of `study.csv`: values of the varied parameters, number and time of the load step where all of them are told, probes (else
+/// of the last one), whether it has an answer, and if not why not.
 pub fn study_csv(study: &Study) -> String {
-    let names = study.varied.iter().map(|parameter| &parameter.name);
-    let probes = study.probes.iter().map(|probe| &probe.name);
-    let heads: Vec<String> = names.chain(probes).map(|name| quoted(name)).collect();
+    let heads: Vec<String> = study.heads().map(quoted).collect();
     let mut out = heads.join(",") + ",converged,reason\n";
-    for member in &study.members {
-        for value in member.values.iter().chain(&member.probes) {
+    for row in study.rows() {
+        for (head, value) in study.heads().zip(row.numbers()) {
             // Writing to a String cannot fail. Adding zero turns −0 into 0.
-            let _ = write!(out, "{:?},", value + 0.0);
+            let _ = match row.step {
+                Some((step, _)) if head == "step" => write!(out, "{step},"),
+                _ => write!(out, "{:?},", value + 0.0),
+            };
         }
-        let _ = writeln!(out, "{},{}", member.converged, quoted(&member.reason));
+        let _ = writeln!(out, "{},{}", row.converged, quoted(row.reason));
     }
     out
 }
@@ -48,6 +49,9 @@ pub fn study_page(study: &Study, picture: Option<&Markup>, stem: &str) -> Markup
         body += figure(svg, "Against each other", caption);
     }
     if let Some(figure) = plots(study, &labels) {
+        body += figure;
+    }
+    if let Some(figure) = over_steps(study, &labels) {
         body += figure;
     }
     body += warnings(study);
@@ -64,7 +68,7 @@ pub fn study_page(study: &Study, picture: Option<&Markup>, stem: &str) -> Markup
 
 /// "E from 1 to 4 in 10 values, mu …".
 fn ranges(study: &Study) -> String {
-    let range = |parameter: &crate::model::Varied| {
+    let range = |parameter: &Varied| {
         let (first, last) = (parameter.values.first(), parameter.values.last());
         let [first, last] = [first, last].map(|v| number(v.copied().unwrap_or(f64::NAN)));
         let steps = if parameter.log {
@@ -271,6 +275,60 @@ fn plots(study: &Study, labels: &Labels) -> Option<Markup> {
     Some(fitted(&draw, "Probes", &caption))
 }
 
+/// The plots over the load steps, a curve for each of some members; over their numbers where members have other times.
+fn over_steps(study: &Study, labels: &Labels) -> Option<Markup> {
+    let longest = study
+        .members
+        .iter()
+        .max_by_key(|member| member.times.len())?;
+    let count = longest.times.len();
+    if !study.all_steps || count < 2 || study.probes.is_empty() {
+        return None;
+    }
+    let mut times = study.members.iter().map(|member| &member.times);
+    let (what, values) = match times.all(|own| longest.times.starts_with(own)) {
+        true => ("time", longest.times.clone()),
+        false => ("load step", (1..=count).map(|step| step as f64).collect()),
+    };
+    let every = study.members.len().div_ceil(MOST_CURVES);
+    let shown: Vec<&StudyMember> = study.members.iter().step_by(every).collect();
+    let panel = |(k, probe): (usize, &Column)| {
+        let curve = |member: &&StudyMember| Series {
+            name: in_words(&study.varied, &member.values, None),
+            values: (0..count)
+                .map(|step| member.steps.get(step).map_or(f64::NAN, |probes| probes[k]))
+                .collect(),
+        };
+        Panel {
+            zero: false,
+            title: probe.name.clone(),
+            unit: labels.unit(probe.dimension).to_string(),
+            curves: shown.iter().map(curve).collect(),
+        }
+    };
+    let panels: Vec<Panel> = study.probes.iter().enumerate().map(panel).collect();
+    let x = Abscissae {
+        axis: Axis::linear(what, "", &values, false, 5).roomy(),
+        values: &values,
+        hint: &|_, value| format!("{what} {}", number(value)),
+    };
+    let title = format!("Probes over {what}");
+    let caption = match (shown.len(), study.members.len()) {
+        (some, all) if some < all => format!("Over {what}, {some} of {all} members."),
+        _ => format!("Over {what}, a curve for each member."),
+    };
+    let draw = |width| panels_figure("steps", &title, &panels, &x, width);
+    Some(fitted(&draw, "Probes over the load steps", &caption))
+}
+
+/// "E = 1, mu = 2": values of the parameters, but for one.
+fn in_words(varied: &[Varied], values: &[f64], without: Option<usize>) -> String {
+    let all = varied.iter().zip(values).enumerate();
+    let told = all.filter(|(k, _)| Some(*k) != without);
+    let told = told.map(|(_, (p, value))| format!("{} = {}", p.name, number(*value)));
+    told.collect::<Vec<_>>().join(", ")
+}
+
 /// Members that differ in one parameter alone, in the order of its values.
 struct Curve<'a> {
     /// Values of the others, in words.
@@ -281,14 +339,10 @@ struct Curve<'a> {
 fn curves(study: &Study, along: usize) -> Vec<Curve<'_>> {
     let mut curves: BTreeMap<Vec<usize>, Curve<'_>> = BTreeMap::new();
     for (index, member) in study.members.iter().enumerate() {
-        let places = study.places(index);
-        let others = study.varied.iter().zip(&member.values).enumerate();
-        let others = others.filter(|(k, _)| *k != along);
-        let others = others.map(|(_, (p, value))| format!("{} = {}", p.name, number(*value)));
-        let mut key = places;
+        let mut key = study.places(index);
         key[along] = 0;
         let curve = curves.entry(key).or_insert_with(|| Curve {
-            name: others.collect::<Vec<_>>().join(", "),
+            name: in_words(&study.varied, &member.values, Some(along)),
             members: Vec::new(),
         });
         curve.members.push(member);
@@ -314,23 +368,14 @@ fn warnings(study: &Study) -> Markup {
 }
 
 fn members_table(study: &Study, labels: &Labels) -> Markup {
-    let parameters = study
-        .varied
-        .iter()
-        .map(|parameter| column(&parameter.name, ""));
-    let unit = |probe: &Column| labels.unit(probe.dimension).to_string();
-    let probes = study
-        .probes
-        .iter()
-        .map(|probe| column(&probe.name, &unit(probe)));
-    let mut heads: Vec<Head> = parameters.chain(probes).collect();
+    let unit = |name: &str| unit(study, labels, name).unwrap_or_default();
+    let mut heads: Vec<Head> = study.heads().map(|name| column(name, unit(name))).collect();
     heads.extend([left("certified"), left("reason")]);
-    let rows = study.members.iter().map(|member| {
-        let values = member.values.iter().chain(&member.probes);
-        let mut row: Vec<_> = values.map(|value| plain(number(*value))).collect();
-        row.push(text(if member.converged { "✓" } else { "✗" }));
-        row.push(text(&member.reason));
-        row
+    let rows = study.rows().into_iter().map(|row| {
+        let mut cells: Vec<_> = row.numbers().map(|value| plain(number(value))).collect();
+        cells.push(text(if row.converged { "✓" } else { "✗" }));
+        cells.push(text(row.reason));
+        cells
     });
     markup!("<h2>Members</h2>\n{}", table(&heads, rows.collect()))
 }

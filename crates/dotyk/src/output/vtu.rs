@@ -16,7 +16,8 @@
 //! Source: VTK file formats, section "XML file formats" (vtk.org).
 
 use crate::geometry::{Point, padded, unit};
-use crate::mesh::Mesh;
+use crate::host::processes;
+use crate::mesh::{Count, Mesh};
 use crate::model::{
     Analysis, BodyField, BodySolution, Law, Model, On, OnSide, Shape, Solution, Status,
 };
@@ -26,16 +27,78 @@ use crate::output::text::{AXES, Labels};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Uncompressed bytes per block.
 const BLOCK: usize = 1 << 20;
 
+/// Some of the cells of a body, and their points.
+pub struct Part {
+    /// Whether it has each cell, block after block.
+    cells: Vec<bool>,
+}
+
+/// A body in so many parts, which border each other and are about as large; parts of small bodies may be empty.
+pub fn parts<const D: usize>(mesh: &Mesh<D>, count: usize) -> Vec<Part> {
+    let of_cell = mesh.pieces(Count::Exactly(count));
+    let pieces = of_cell.iter().max().map_or(1, |last| *last as usize + 1);
+    // what is not connected comes in more pieces
+    let part_of = |piece: u32| piece as usize * count / pieces.max(count);
+    let part = |own: usize| Part {
+        cells: of_cell.iter().map(|&piece| part_of(piece) == own).collect(),
+    };
+    (0..count).map(part).collect()
+}
+
+/// The rows, of so many numbers each, that are picked; all of them without a choice.
+fn picked<'v>(values: &'v [f64], size: usize, picks: Option<&[usize]>) -> Cow<'v, [f64]> {
+    let Some(picks) = picks else {
+        return Cow::Borrowed(values);
+    };
+    let rows = picks.iter().map(|&row| &values[size * row..][..size]);
+    Cow::Owned(rows.flatten().copied().collect())
+}
+
+/// The fields of a body that its files have.
+pub struct Fields {
+    results: Vec<BodyField>,
+    contact: ContactFields,
+}
+
+impl Fields {
+    /// `body` is an index into both `model.bodies` and `solution.bodies`.
+    pub fn of<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: usize) -> Self {
+        let mesh = &model.bodies[body].mesh;
+        Self {
+            results: body_fields(solution, body, mesh.cell_count()),
+            contact: contact_fields(solution, body, mesh),
+        }
+    }
+}
+
 /// Content of the VTU file of one body.
 ///
 /// `body` is an index into both `model.bodies` and `solution.bodies`.
 pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: usize) -> String {
+    let fields = Fields::of(model, solution, body);
+    part_vtu(model, solution, (body, &fields), None)
+}
+
+/// The same of a part of it.
+pub fn part_vtu<const D: usize>(
+    model: &Model<D>,
+    solution: &Solution<D>,
+    (
+        body,
+        Fields {
+            results,
+            contact: fields,
+        },
+    ): (usize, &Fields),
+    part: Option<&Part>,
+) -> String {
     let mesh = &model.bodies[body].mesh;
     let answer = &solution.bodies[body];
     let borders = &answer.borders;
@@ -46,19 +109,36 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
             .flat_map(|node| padded(values[node]))
             .collect()
     };
-    let fields = contact_fields(solution, body, mesh);
     let numbers = |values: &[f64]| -> Vec<f64> { borders.nodes().map(|n| values[n]).collect() };
     let triples =
         |values: &[[f64; 3]]| -> Vec<f64> { borders.nodes().flat_map(|n| values[n]).collect() };
     let (mut connectivity, mut offsets, mut types) = (Vec::new(), Vec::new(), Vec::new());
-    for (index, block) in mesh.blocks().iter().enumerate() {
-        for cell in block.cells() {
-            let places = cell.iter().map(|&n| borders.place(index, n as usize));
-            connectivity.extend(places.map(|place| place as i64));
-            offsets.push(connectivity.len() as i64);
-            types.push(block.kind.vtk());
+    let blocks = mesh.blocks().iter().enumerate();
+    let cells =
+        blocks.flat_map(|(index, block)| block.cells().map(move |cell| (index, block.kind, cell)));
+    let mut own_cells = Vec::new();
+    for (number, (index, kind, cell)) in cells.enumerate() {
+        if part.is_some_and(|part| !part.cells[number]) {
+            continue;
         }
+        let places = cell.iter().map(|&n| borders.place(index, n as usize));
+        connectivity.extend(places.map(|place| place as i64));
+        offsets.push(connectivity.len() as i64);
+        types.push(kind.vtk());
+        own_cells.push(number);
     }
+    let own_points = part.map(|_| {
+        let own: BTreeSet<i64> = connectivity.iter().copied().collect();
+        let own: Vec<i64> = own.into_iter().collect();
+        for point in &mut connectivity {
+            *point = own.partition_point(|other| other < point) as i64;
+        }
+        own.into_iter()
+            .map(|point| point as usize)
+            .collect::<Vec<_>>()
+    });
+    let own_cells = part.map(|_| &own_cells[..]);
+    let own_points = own_points.as_deref();
 
     let mut out = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
@@ -68,12 +148,11 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
     let _ = writeln!(
         out,
         "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">",
-        borders.count(),
+        own_points.map_or(borders.count(), <[_]>::len),
         types.len()
     );
     out.push_str("<PointData Vectors=\"displacement\" Scalars=\"von_mises\">\n");
     let (tensor, vector) = component_names(model.analysis);
-    let results = body_fields(solution, body, types.len());
     let put = |out: &mut String, on: On| {
         for field in results.iter().filter(|field| field.on == on) {
             let components: &[&str] = match field.shape {
@@ -82,30 +161,39 @@ pub fn body_vtu<const D: usize>(model: &Model<D>, solution: &Solution<D>, body: 
                 Shape::Tensor => &tensor,
                 Shape::Principal => &["s1", "s2", "s3"],
             };
-            floats(out, field.name, components, &field.values);
+            let picks = match on {
+                On::Nodes => own_points,
+                On::Cells => own_cells,
+            };
+            let values = picked(&field.values, field.shape.components(), picks);
+            floats(out, field.name, components, &values);
         }
     };
     put(&mut out, On::Nodes);
-    floats(&mut out, "pressure", &[], &numbers(&fields.pressure));
-    floats(&mut out, "gap", &[], &numbers(&fields.gap));
-    floats(
-        &mut out,
-        "contact_normal",
-        &vector,
-        &triples(&fields.normal),
-    );
+    let at_points = |out: &mut String, name: &str, components: &[&str], values: Vec<f64>| {
+        let values = picked(&values, components.len().max(1), own_points);
+        floats(out, name, components, &values);
+    };
+    at_points(&mut out, "pressure", &[], numbers(&fields.pressure));
+    at_points(&mut out, "gap", &[], numbers(&fields.gap));
+    let normals = triples(&fields.normal);
+    at_points(&mut out, "contact_normal", &vector, normals);
     let laws = model.contacts.iter().map(|contact| &contact.law);
     if laws
         .into_iter()
         .any(|law| !matches!(law, Law::Frictionless))
     {
-        floats(&mut out, "shear", &vector, &triples(&fields.shear));
+        at_points(&mut out, "shear", &vector, triples(&fields.shear));
     }
-    let states = borders.nodes().map(|node| fields.state[node]);
-    let states: Vec<u8> = states.flat_map(i32::to_le_bytes).collect();
+    let states: Vec<i32> = borders.nodes().map(|node| fields.state[node]).collect();
+    let states: Vec<i32> = match own_points {
+        Some(own) => own.iter().map(|&point| states[point]).collect(),
+        None => states,
+    };
+    let states: Vec<u8> = states.into_iter().flat_map(i32::to_le_bytes).collect();
     array(&mut out, "Int32", "contact_state", &[], &states);
     out.push_str("</PointData>\n<Points>\n");
-    floats(&mut out, "points", &AXES, &vectors(mesh.points()));
+    at_points(&mut out, "points", &AXES, vectors(mesh.points()));
     out.push_str("</Points>\n<Cells>\n");
     integers(&mut out, "connectivity", &connectivity);
     integers(&mut out, "offsets", &offsets);
@@ -197,17 +285,75 @@ fn field_data<const D: usize>(out: &mut String, model: &Model<D>, time: f64) {
     out.push_str("</FieldData>\n");
 }
 
+/// Content of the file that names the parts of a body, which are in these files: the arrays of its fields are those of one of them.
+pub fn whole(part: &str, files: &[String]) -> String {
+    let mut out = String::from(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<PUnstructuredGrid GhostLevel=\"0\">\n",
+    );
+    let mut of_all = false;
+    // the lines of data begin with another character
+    for line in part.lines().filter(|line| line.starts_with('<')) {
+        let begins = |tags: [&str; 3]| tags.iter().any(|tag| line.starts_with(tag));
+        let ends = begins(["</PointData>", "</Points>", "</CellData>"]);
+        of_all |= begins(["<PointData", "<Points>", "<CellData>"]);
+        if of_all {
+            let parallel = line
+                .replacen("</", "</P", 1)
+                .replacen("<", "<P", usize::from(!ends));
+            match line.starts_with("<DataArray") {
+                true => out += &parallel.replace(" format=\"binary\">", "/>"),
+                false if line == "</DataArray>" => continue,
+                false => out += &parallel,
+            }
+            out.push('\n');
+        }
+        of_all &= !ends;
+    }
+    for file in files {
+        out += &markup!("<Piece {}{}\"/>\n", Markup::own(SOURCE), file);
+    }
+    out.push_str("</PUnstructuredGrid>\n</VTKFile>\n");
+    out
+}
+
+/// How that file names a part.
+const SOURCE: &str = "Source=\"";
+
+/// The files of the parts that such a file names.
+pub fn sources(whole: &str) -> Vec<String> {
+    files_named(whole, SOURCE)
+}
+
+/// Name of the file of a part of a body, of that of the body.
+pub fn part_name(file: &str, part: usize) -> String {
+    let body = file.strip_suffix(".pvtu").unwrap_or(file);
+    format!("{body}.p{part}.vtu")
+}
+
+/// End of the names of the files of bodies: in parts, or not.
+fn ending() -> &'static str {
+    match processes() {
+        Some(_) => "pvtu",
+        None => "vtu",
+    }
+}
+
 /// Name of the VTU file of a body in a step, counted from 0, of several or of the only one.
 pub fn file_name(body: &str, step: usize, several: bool) -> String {
-    match several {
-        true => format!("{body}_{:04}.vtu", step + 1),
-        false => format!("{body}.vtu"),
-    }
+    named(body, step, several, ending())
 }
 
 /// Name of the file that names the bodies of a step as blocks.
 pub fn blocks_name(step: usize, several: bool) -> String {
-    file_name("case", step, several).replace(".vtu", ".vtm")
+    named("case", step, several, "vtm")
+}
+
+fn named(stem: &str, step: usize, several: bool, ending: &str) -> String {
+    match several {
+        true => format!("{stem}_{:04}.{ending}", step + 1),
+        false => format!("{stem}.{ending}"),
+    }
 }
 
 /// Content of that file: all bodies at one time.
@@ -217,16 +363,32 @@ pub fn blocks<const D: usize>(solution: &Solution<D>, step: usize, several: bool
          <vtkMultiBlockDataSet>\n",
     );
     for (index, body) in solution.bodies.iter().enumerate() {
-        out += &markup!(
-            "<DataSet index=\"{}\" name=\"{}\" {}{}\"/>\n",
-            index,
-            body.name,
-            Markup::own(FILE),
-            file_name(&body.name, step, several)
-        );
+        let file = file_name(&body.name, step, several);
+        let Some(parts) = processes() else {
+            out += &block(index, &body.name, &file);
+            continue;
+        };
+        // not every reader of blocks reads files of parts
+        out += &markup!("<Block index=\"{}\" name=\"{}\">\n", index, body.name);
+        for part in 0..parts {
+            let name = format!("{} {part}", body.name);
+            out += &block(part, &name, &part_name(&file, part));
+        }
+        out.push_str("</Block>\n");
     }
     out.push_str("</vtkMultiBlockDataSet>\n</VTKFile>\n");
     out
+}
+
+fn block(index: usize, name: &str, file: &str) -> Markup {
+    let before = Markup::own(FILE);
+    markup!(
+        "<DataSet index=\"{}\" name=\"{}\" {}{}\"/>\n",
+        index,
+        name,
+        before,
+        file
+    )
 }
 
 /// Content of `case.pvd`: all bodies at all times; `several`: the model has several load steps.
@@ -255,18 +417,22 @@ const FILE: &str = "file=\"";
 
 /// VTU files that a collection of an earlier run names: they are ours. Other folders are not.
 pub fn collected(pvd: &str) -> Vec<String> {
-    let files = pvd
-        .split(FILE)
-        .skip(1)
-        .filter_map(|rest| rest.split('"').next());
-    let ours = |name: &&str| name.ends_with(".vtu") && !name.contains(['/', '\\']);
+    files_named(pvd, FILE)
+}
+
+fn files_named(text: &str, before: &str) -> Vec<String> {
+    let files = text.split(before).skip(1);
+    let files = files.filter_map(|rest| rest.split('"').next());
+    let ours = |name: &&str| {
+        (name.ends_with(".vtu") || name.ends_with(".pvtu")) && !name.contains(['/', '\\'])
+    };
     files.filter(ours).map(str::to_string).collect()
 }
 
 /// Files that name the blocks of the steps of which a collection names files.
 pub fn collected_blocks(pvd: &str) -> Vec<String> {
     let step = |file: &String| {
-        let (_, step) = file.strip_suffix(".vtu")?.rsplit_once('_')?;
+        let (_, step) = file.rsplit_once('.')?.0.rsplit_once('_')?;
         let is_step = step.len() >= 4 && step.bytes().all(|b| b.is_ascii_digit());
         is_step.then(|| format!("case_{step}.vtm"))
     };
@@ -484,6 +650,63 @@ mod tests {
         );
         assert_eq!(read(&ring, "von_mises").len(), nodes);
         assert_eq!(read(&ring, "points").len(), 3 * nodes);
+    }
+
+    #[test]
+    fn parts_have_all_cells_and_the_values_of_their_points() {
+        let (model, solution) = tunnel::solved();
+        let mesh = &model.bodies[0].mesh;
+        let all = body_vtu(&model, &solution, 0);
+        let fields = Fields::of(&model, &solution, 0);
+        let rows = |vtu: &str, name: &str, size: usize| -> Vec<Vec<u64>> {
+            let values: Vec<u64> = read(vtu, name).into_iter().map(f64::to_bits).collect();
+            values.chunks(size).map(<[u64]>::to_vec).collect()
+        };
+        let at = |vtu: &str| -> BTreeSet<Vec<u64>> {
+            let points = rows(vtu, "points", 3);
+            let fields = [
+                ("stress", 6),
+                ("displacement", 3),
+                ("pressure", 1),
+                ("gap", 1),
+            ];
+            let fields = fields.map(|(name, size)| rows(vtu, name, size));
+            let row = |i: usize| {
+                let own = fields.iter().flat_map(|field| field[i].clone());
+                points[i].iter().copied().chain(own).collect()
+            };
+            (0..points.len()).map(row).collect()
+        };
+        for count in [1, 3, mesh.cell_count() + 2] {
+            let parts = parts(mesh, count);
+            assert_eq!(parts.len(), count);
+            let parts = parts
+                .iter()
+                .map(|part| part_vtu(&model, &solution, (0, &fields), Some(part)));
+            let parts: Vec<String> = parts.collect();
+            let cells = |vtu: &String| {
+                let number = vtu.split("NumberOfCells=\"").nth(1).unwrap();
+                number.split('"').next().unwrap().parse::<usize>().unwrap()
+            };
+            assert_eq!(parts.iter().map(cells).sum::<usize>(), mesh.cell_count());
+            let some: BTreeSet<Vec<u64>> = parts.iter().flat_map(|part| at(part)).collect();
+            assert_eq!(some, at(&all));
+        }
+        let files = ["ring.p0.vtu", "ring.p1.vtu"].map(String::from);
+        let whole = whole(&all, &files);
+        assert_eq!(sources(&whole), files);
+        let arrays = |text: &str, tag: &str| text.matches(tag).count();
+        assert!(whole.contains(
+            "<PDataArray type=\"Float64\" Name=\"displacement\" NumberOfComponents=\"3\""
+        ));
+        assert!(
+            whole.contains("<PPoints>")
+                && whole.contains("</PCellData>")
+                && !whole.contains("connectivity")
+        );
+        // without those of the cells themselves, time and units
+        let named = arrays(&all, "format=\"binary\"");
+        assert_eq!(arrays(&whole, "<PDataArray"), named - 3);
     }
 
     #[test]

@@ -74,6 +74,8 @@ pub(crate) fn start(setup: &Setup<'_>, solve: CoarseSolver<'_>) -> Option<Start>
             Some(clusters.start(setup, &found))
         }
         Compliance::Sparse(_) => None,
+        // a product with bodies in pieces costs as much as a rough step
+        Compliance::Operator { glue: Some(_), .. } => None,
         Compliance::Operator { apply, .. } => Cut::new(setup)?.refine(setup, &**apply, solve),
     }
 }
@@ -545,6 +547,7 @@ mod tests {
         let compliance = Compliance::Operator {
             apply: Box::new(Double(count)),
             preconditioner: Box::new(Double(count)),
+            glue: None,
         };
         let shift = vec![1.0; count];
         let blocks = vec![Block::Unilateral; count];

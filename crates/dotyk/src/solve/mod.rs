@@ -240,6 +240,7 @@ mod tests {
         Compliance::Operator {
             apply: Box::new(Applied(f.clone())),
             preconditioner: Box::new(Applied(preconditioner)),
+            glue: None,
         }
     }
 

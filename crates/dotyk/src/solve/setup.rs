@@ -1,6 +1,6 @@
 //! Preparation, counting and judgement that all solvers share.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 use crate::dual::{
@@ -22,6 +22,8 @@ pub(crate) struct Setup<'a> {
     pub components: Vec<Component>,
     /// Products with F so far, those with other admissible sets included.
     products: Rc<Cell<usize>>,
+    /// The last forces of the glue.
+    glue: Rc<RefCell<Vec<f64>>>,
 }
 
 impl<'a> Setup<'a> {
@@ -49,6 +51,7 @@ impl<'a> Setup<'a> {
             balance: problem.balance.clone(),
             components: problem.admissible.components(),
             products: Rc::default(),
+            glue: Rc::default(),
         }
     }
 
@@ -61,6 +64,7 @@ impl<'a> Setup<'a> {
             admissible,
             balance: self.balance.clone(),
             products: Rc::clone(&self.products),
+            glue: Rc::clone(&self.glue),
         }
     }
 
@@ -139,6 +143,18 @@ impl<'a> Setup<'a> {
     /// Products with F so far.
     pub fn products(&self) -> usize {
         self.products.get()
+    }
+
+    /// Forces of the glue (g,) to begin with: the last ones, or zero.
+    pub fn glue(&self, length: usize) -> Vec<f64> {
+        let mut glue = self.glue.borrow().clone();
+        glue.resize(length, 0.0);
+        glue
+    }
+
+    /// Keeps forces of the glue for the next beginning.
+    pub fn keep_glue(&self, glue: Vec<f64>) {
+        *self.glue.borrow_mut() = glue;
     }
 
     /// The outcome with these forces.

@@ -13,18 +13,20 @@
 //! Sparse F: sparse LU with pivoting of the bordered matrix, with the balance in the modes of the single bodies, which are
 //! sparser than orthonormal ones; the shift and the corrections are the same.
 //!
-//! Applied F: conjugate gradients in the null space of the balance for symmetric systems, restarted minimal residuals for
-//! unsymmetric ones, both preconditioned and warm started.
+//! Applied F: by iterations (`system/krylov.rs`).
 //!
 //! Directions of α̂ that no unknown determines come back in `loose`; α̂ has no part along them.
+
+mod krylov;
+mod network;
 
 use crate::dual::{Balance, Compliance, NO_WORK};
 use crate::linalg::dense::{
     Lu, cholesky_in_place, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place, transpose_product,
 };
-use crate::linalg::{LinearOperator, Mat, SparseLu, SparseMatrix, SparseVector};
-use crate::solve::null::{Null, Pseudo, add_outer, gram_of};
+use crate::linalg::{Mat, SparseLu, SparseMatrix, SparseVector};
+use crate::solve::null::{Pseudo, add_outer, gram_of};
 use crate::solve::setup::{Forces, Setup};
 use crate::solve::states::{Anchor, State, Unknown, along, unknowns};
 use crate::solve::{dot, norm};
@@ -44,51 +46,6 @@ const SOLVED: f64 = 1e-6;
 
 /// Most corrections of a solution; a shifted matrix needs more of them than rounding.
 const CORRECTIONS: usize = 8;
-
-/// Iterations compare their residual with the right side, and at least with this part of the residual of the start: a right side
-/// that vanishes on balanced forces could not be met.
-const FROM_START: f64 = 1e-3;
-
-/// Relative error allowed to forces, as a multiple of the one allowed to gaps. Where long waves are soft, forces that alternate from
-/// node to node are larger than their gaps show.
-const ON_FORCES: f64 = 10.0;
-
-/// Gaps below this part of their tolerance are rounding, whatever the forces.
-const TOLERANCE_ROUNDING: f64 = 1e-3;
-
-/// When iterations within a step end.
-struct Goal {
-    /// Size of the gaps.
-    gap: f64,
-    /// Error of the forces, relative.
-    force: f64,
-}
-
-impl Goal {
-    fn new(accuracy: f64, reference: f64, residual: &[f64]) -> Self {
-        Self {
-            gap: accuracy * reference.max(FROM_START * norm(residual)),
-            force: ON_FORCES * accuracy,
-        }
-    }
-
-    /// Whether gaps of this size are small enough. `change` are the forces by which the preconditioner would remove them: at least as
-    /// large as the exact ones.
-    fn is_met(&self, gap: f64, change: &[f64], forces: &[f64]) -> bool {
-        let settled = norm(change) <= self.force * norm(forces);
-        gap <= self.gap && (settled || gap <= TOLERANCE_ROUNDING * self.gap)
-    }
-}
-
-/// Most conjugate gradients of one linear problem.
-const CONJUGATE: usize = 500;
-
-/// Gaps are reduced by this factor where the forces are not accurate enough.
-const FURTHER: f64 = 0.1;
-
-/// Vectors that minimal residuals keep, and how often they begin again.
-const KRYLOV: usize = 60;
-const RESTARTS: usize = 10;
 
 /// The linear problem of some unknowns.
 pub(crate) struct System<'a> {
@@ -120,8 +77,8 @@ impl<'a> System<'a> {
     /// The problem of `unknowns` beside the known forces `offset` (m,).
     pub fn new(setup: &'a Setup<'a>, unknowns: Vec<Unknown>, offset: Vec<f64>) -> Self {
         let balance = &setup.balance;
-        let rows = on_unknowns(balance.rows(), &unknowns, |u| &u.row);
-        let forces = on_unknowns(balance.rows(), &unknowns, |u| &u.force);
+        let rows = on_unknowns(balance.rows(), &unknowns, Side::Rows);
+        let forces = on_unknowns(balance.rows(), &unknowns, Side::Forces);
         let loose = null_of(balance, &rows);
         let sparse = matches!(setup.problem.compliance, Compliance::Sparse(_));
         let [rows, forces] = match sparse {
@@ -147,22 +104,27 @@ impl<'a> System<'a> {
         let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
         let null = match symmetric {
             true => self.loose.clone(),
-            false => {
-                let balance = &self.setup.balance;
-                let forces = on_unknowns(balance.rows(), &self.unknowns, |u| &u.force);
-                null_of(balance, &forces)
-            }
+            false => self.loose_forces(),
         };
         null.iter().all(|z| dot(z, &rest).abs() <= NO_WORK * size)
+    }
+
+    /// Directions of the balance that no value of the unknowns changes, orthonormal.
+    fn loose_forces(&self) -> Vec<Vec<f64>> {
+        let balance = &self.setup.balance;
+        let forces = on_unknowns(balance.rows(), &self.unknowns, Side::Forces);
+        null_of(balance, &forces)
     }
 
     /// Solves from `guess`, with a relative accuracy that only iterations use; `None` where the system is singular.
     pub fn solve(&mut self, guess: &Forces, accuracy: f64) -> Option<Forces> {
         let point = match &self.setup.problem.compliance {
             Compliance::Dense(_) | Compliance::Sparse(_) => self.solve_assembled(),
-            Compliance::Operator { preconditioner, .. } => {
-                self.solve_applied(preconditioner.as_ref(), guess, accuracy)
-            }
+            Compliance::Operator {
+                preconditioner,
+                glue,
+                ..
+            } => self.solve_applied((preconditioner.as_ref(), glue.as_deref()), guess, accuracy),
         }?;
         let finite = point
             .lambda
@@ -200,7 +162,7 @@ impl<'a> System<'a> {
     }
 
     /// The forces of some values of the unknowns.
-    fn point(&mut self, x: &[f64], alpha: Vec<f64>) -> Forces {
+    fn point(&self, x: &[f64], alpha: Vec<f64>) -> Forces {
         let mut lambda = self.offset.clone();
         for (unknown, x) in self.unknowns.iter().zip(x) {
             for &(i, weight) in &unknown.force {
@@ -256,7 +218,20 @@ fn units_of_balance(forces: &[SparseVector], rows: &[SparseVector], scale: &[f64
 }
 
 /// The column of an unknown, or the row of its condition.
-type Side = fn(&Unknown) -> &[(usize, f64)];
+#[derive(Clone, Copy)]
+enum Side {
+    Forces,
+    Rows,
+}
+
+impl Side {
+    fn of(self, unknown: &Unknown) -> &[(usize, f64)] {
+        match self {
+            Self::Forces => &unknown.force,
+            Self::Rows => &unknown.row,
+        }
+    }
+}
 
 /// Rows over the forces as rows over the unknowns.
 fn on_unknowns(rows: &[SparseVector], unknowns: &[Unknown], side: Side) -> Vec<SparseVector> {
@@ -265,7 +240,7 @@ fn on_unknowns(rows: &[SparseVector], unknowns: &[Unknown], side: Side) -> Vec<S
     };
     let mut met: Vec<Vec<(usize, f64)>> = vec![Vec::new(); m];
     for (a, unknown) in unknowns.iter().enumerate() {
-        let parts = side(unknown).iter();
+        let parts = side.of(unknown).iter();
         parts.for_each(|&(i, weight)| met[i].push((a, weight)));
     }
     let along_row = |row: &SparseVector| {
@@ -600,252 +575,6 @@ fn coupling(matrix: &Mat<f64>, unknowns: &[Unknown]) -> Mat<f64> {
         }
     }
     out
-}
-
-// Applied F
-
-impl System<'_> {
-    fn solve_applied(
-        &mut self,
-        preconditioner: &dyn LinearOperator,
-        guess: &Forces,
-        accuracy: f64,
-    ) -> Option<Forces> {
-        let symmetric = self.unknowns.iter().all(Unknown::is_symmetric);
-        // the unknowns nearest to the guess
-        let apart = guess.lambda.iter().zip(&self.offset);
-        let apart: Vec<f64> = apart.map(|(force, known)| force - known).collect();
-        let nearest = self.unknowns.iter().map(|u| u.nearest(&apart));
-        let start: Vec<f64> = nearest.collect();
-        match symmetric {
-            true => self.conjugate_gradients(preconditioner, start, accuracy),
-            false => self.minimal_residuals(preconditioner, start, accuracy),
-        }
-    }
-
-    /// out = WᵀFC x + softness x; `lambda` and `image` are workspace (m,).
-    fn apply(&mut self, x: &[f64], lambda: &mut [f64], image: &mut [f64], out: &mut [f64]) {
-        lambda.fill(0.0);
-        for (unknown, x) in self.unknowns.iter().zip(x) {
-            for &(i, weight) in &unknown.force {
-                lambda[i] += x * weight;
-            }
-        }
-        self.setup.multiply(lambda, image);
-        for ((out, unknown), x) in out.iter_mut().zip(&self.unknowns).zip(x) {
-            *out = along(&unknown.row, image) + unknown.softness * x;
-        }
-    }
-
-    /// out = an approximation of (WᵀFC)⁻¹ r; `spread` and `image` are workspace (m,).
-    fn precondition(
-        &self,
-        preconditioner: &dyn LinearOperator,
-        r: &[f64],
-        spread: &mut [f64],
-        image: &mut [f64],
-        out: &mut [f64],
-    ) {
-        spread.fill(0.0);
-        for (unknown, r) in self.unknowns.iter().zip(r) {
-            for &(i, weight) in &unknown.row {
-                spread[i] += r * weight;
-            }
-        }
-        preconditioner.apply(spread, image);
-        for (out, unknown) in out.iter_mut().zip(&self.unknowns) {
-            *out = along(&unknown.row, image);
-        }
-    }
-
-    /// Conjugate gradients on the forces that keep the balance.
-    fn conjugate_gradients(
-        &mut self,
-        preconditioner: &dyn LinearOperator,
-        mut x: Vec<f64>,
-        accuracy: f64,
-    ) -> Option<Forces> {
-        let (n, m) = (x.len(), self.setup.len());
-        let mut null = Null::new(&self.rows, &self.loose);
-        let mut target = vec![0.0; self.setup.modes()];
-        self.setup.balance.imbalance(&self.offset, &mut target);
-        target.iter_mut().for_each(|rest| *rest = -*rest);
-        null.restore(&self.rows, &target, &mut x);
-        let (mut lambda, mut image) = (vec![0.0; m], vec![0.0; m]);
-        let point = self.point(&x, vec![0.0; target.len()]);
-        let (mut residual, _) = self.residual(&point, &x);
-        let reference = self.reference(&mut null);
-        null.project(&self.rows, &mut residual);
-        let goal = Goal::new(accuracy, reference, &residual);
-        let (mut z, mut out) = (vec![0.0; n], vec![0.0; n]);
-        self.precondition(preconditioner, &residual, &mut lambda, &mut image, &mut z);
-        null.project(&self.rows, &mut z);
-        let mut direction = z.clone();
-        let mut slope = dot(&residual, &z);
-        for _ in 0..CONJUGATE.min(2 * n + 50) {
-            if slope <= 0.0 || goal.is_met(norm(&residual), &z, &x) {
-                break;
-            }
-            self.apply(&direction, &mut lambda, &mut image, &mut out);
-            null.project(&self.rows, &mut out);
-            let curvature = dot(&direction, &out);
-            if curvature <= 0.0 {
-                break;
-            }
-            let step = slope / curvature;
-            for i in 0..n {
-                x[i] += step * direction[i];
-                residual[i] -= step * out[i];
-            }
-            self.precondition(preconditioner, &residual, &mut lambda, &mut image, &mut z);
-            null.project(&self.rows, &mut z);
-            let next = dot(&residual, &z);
-            for i in 0..n {
-                direction[i] = z[i] + next / slope * direction[i];
-            }
-            slope = next;
-        }
-        null.restore(&self.rows, &target, &mut x);
-        let mut point = self.point(&x, vec![0.0; target.len()]);
-        let (open, _) = self.residual(&point, &x);
-        point.alpha = null.amplitudes(&self.rows, &open);
-        Some(point)
-    }
-
-    /// Size of the right side on the balanced forces.
-    fn reference(&self, null: &mut Null) -> f64 {
-        let shift = &self.setup.shift;
-        let own = self.unknowns.iter().map(|u| u.pull + along(&u.row, shift));
-        let mut reference: Vec<f64> = own.collect();
-        null.project(&self.rows, &mut reference);
-        norm(&reference)
-    }
-
-    /// Minimal residuals on the forces that keep the balance, tested by motions that are not rigid.
-    fn minimal_residuals(
-        &mut self,
-        preconditioner: &dyn LinearOperator,
-        mut x: Vec<f64>,
-        accuracy: f64,
-    ) -> Option<Forces> {
-        let mut forces = Null::new(&self.forces, &[]);
-        let mut rigid = Null::new(&self.rows, &self.loose);
-        let mut target = vec![0.0; self.setup.modes()];
-        self.setup.balance.imbalance(&self.offset, &mut target);
-        target.iter_mut().for_each(|rest| *rest = -*rest);
-        forces.restore(&self.forces, &target, &mut x);
-        let none = vec![0.0; target.len()];
-        let point = self.point(&x, none.clone());
-        let (mut residual, _) = self.residual(&point, &x);
-        let reference = self.reference(&mut rigid);
-        rigid.project(&self.rows, &mut residual);
-        let goal = Goal::new(accuracy, reference, &residual);
-        self.krylov(
-            preconditioner,
-            (residual, &mut x),
-            &goal,
-            &mut [&mut forces, &mut rigid],
-        )?;
-        forces.restore(&self.forces, &target, &mut x);
-        let mut point = self.point(&x, none);
-        let (open, _) = self.residual(&point, &x);
-        point.alpha = rigid.amplitudes(&self.rows, &open);
-        Some(point)
-    }
-
-    /// Adds a change without resultant to x such that the residual b − Ax becomes a rigid motion, to within a goal. Restarted minimal
-    /// residuals, preconditioned from the right; the null spaces are those of the forces and of the rigid motions.
-    fn krylov(
-        &mut self,
-        preconditioner: &dyn LinearOperator,
-        (mut residual, x): (Vec<f64>, &mut [f64]),
-        goal: &Goal,
-        [forces, rigid]: &mut [&mut Null; 2],
-    ) -> Option<()> {
-        let (n, m) = (residual.len(), self.setup.len());
-        let (mut lambda, mut image) = (vec![0.0; m], vec![0.0; m]);
-        let mut change = vec![0.0; n];
-        let mut enough = goal.gap;
-        for _ in 0..RESTARTS {
-            let size = norm(&residual);
-            if size <= enough {
-                self.precondition(
-                    preconditioner,
-                    &residual,
-                    &mut lambda,
-                    &mut image,
-                    &mut change,
-                );
-                forces.project(&self.forces, &mut change);
-                if size == 0.0 || goal.is_met(size, &change, x) {
-                    return Some(());
-                }
-                enough = FURTHER * size;
-            }
-            let mut basis = vec![residual.iter().map(|r| r / size).collect::<Vec<f64>>()];
-            let mut directions: Vec<Vec<f64>> = Vec::new();
-            let mut triangle: Vec<Vec<f64>> = Vec::new();
-            let mut turns: Vec<(f64, f64)> = Vec::new();
-            let mut right = vec![size];
-            for j in 0..KRYLOV.min(n) {
-                let (mut z, mut w) = (vec![0.0; n], vec![0.0; n]);
-                self.precondition(preconditioner, &basis[j], &mut lambda, &mut image, &mut z);
-                forces.project(&self.forces, &mut z);
-                self.apply(&z, &mut lambda, &mut image, &mut w);
-                rigid.project(&self.rows, &mut w);
-                directions.push(z);
-                let mut column: Vec<f64> = Vec::with_capacity(j + 2);
-                for q in &basis {
-                    let part = dot(q, &w);
-                    w.iter_mut().zip(q).for_each(|(w, q)| *w -= part * q);
-                    column.push(part);
-                }
-                let rest = norm(&w);
-                for (i, &(cos, sin)) in turns.iter().enumerate() {
-                    let (a, b) = (column[i], column[i + 1]);
-                    (column[i], column[i + 1]) = (cos * a + sin * b, cos * b - sin * a);
-                }
-                let length = column[j].hypot(rest);
-                let (cos, sin) = match length > 0.0 {
-                    true => (column[j] / length, rest / length),
-                    false => (1.0, 0.0),
-                };
-                column[j] = length;
-                turns.push((cos, sin));
-                triangle.push(column);
-                let last = right[j];
-                right[j] = cos * last;
-                right.push(-sin * last);
-                if right[j + 1].abs() <= enough || rest == 0.0 {
-                    break;
-                }
-                basis.push(w.iter().map(|w| w / rest).collect());
-            }
-            let count = triangle.len();
-            let mut y = right[..count].to_vec();
-            for i in (0..count).rev() {
-                y[i] /= triangle[i][i];
-                for row in 0..i {
-                    y[row] -= triangle[i][row] * y[i];
-                }
-            }
-            if !y.iter().all(|y| y.is_finite()) {
-                return None;
-            }
-            change.fill(0.0);
-            for (y, direction) in y.iter().zip(&directions) {
-                let parts = change.iter_mut().zip(direction);
-                parts.for_each(|(change, d)| *change += y * d);
-            }
-            x.iter_mut().zip(&change).for_each(|(x, d)| *x += d);
-            let mut image_of_change = vec![0.0; n];
-            self.apply(&change, &mut lambda, &mut image, &mut image_of_change);
-            rigid.project(&self.rows, &mut image_of_change);
-            let done = residual.iter_mut().zip(&image_of_change);
-            done.for_each(|(r, done)| *r -= done);
-        }
-        Some(())
-    }
 }
 
 #[cfg(test)]
@@ -1285,11 +1014,11 @@ mod tests {
             }
         }
         let rows = [SparseVector::from_dense(&[1.0, 2.0, 0.0, 5.0])];
-        let forces = on_unknowns(&rows, &unknowns, |u| &u.force);
+        let forces = on_unknowns(&rows, &unknowns, Side::Forces);
         assert_eq!(forces[0].to_dense(), [0.0, 1.8, -10.0]);
-        let tests = on_unknowns(&rows, &unknowns, |u| &u.row);
+        let tests = on_unknowns(&rows, &unknowns, Side::Rows);
         assert_eq!(tests[0].to_dense(), [0.0, 1.0, 8.5]);
-        assert!(on_unknowns(&[], &unknowns, |u| &u.row).is_empty());
+        assert!(on_unknowns(&[], &unknowns, Side::Rows).is_empty());
     }
 
     #[test]
@@ -1344,7 +1073,7 @@ mod tests {
         ];
         let mut offset = vec![0.0; 7];
         offset[3] = 2.0;
-        let mut system = System::new(&setup, unknowns, offset);
+        let system = System::new(&setup, unknowns, offset);
         let alpha = [0.3, -0.6];
         let mut own = vec![0.0; 2];
         setup.balance.from_original(&alpha, &mut own);

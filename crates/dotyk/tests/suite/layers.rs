@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const TABLE: [(&str, &str); 13] = [
     ("host", ""),
     ("geometry", ""),
-    ("linalg", ""),
+    ("linalg", "host"),
     ("analytic", "geometry"),
     ("mesh", "host geometry"),
     ("fem", "geometry linalg mesh"),

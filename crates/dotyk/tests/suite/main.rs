@@ -39,6 +39,7 @@ mod own;
 mod pages;
 mod past;
 mod patch;
+mod pieces;
 mod points;
 mod probes;
 mod rates;

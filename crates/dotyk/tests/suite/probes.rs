@@ -375,3 +375,71 @@ factor = "x^4"
     let quantity = &steps[0].probes[1].quantity;
     assert_eq!(quantity, "(x^4) bolt.force");
 }
+
+/// A column of two blocks, of which the upper one comes in the second step, and expressions of what is read of both.
+#[test]
+fn expressions_are_those_of_the_probes_of_the_same_step() {
+    let text = r#"
+analysis = "plane-stress"
+parameters = { depth = 2.0 }
+[[body]]
+name = "low"
+mesh = { rectangle = { from = [0, 0], to = [1, 1], cells = [2, 2] } }
+material = { young = 100, poisson = 0 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+load = [{ side = "top", pressure = "t", active = { until = "second" } }]
+[[body]]
+name = "up"
+mesh = { rectangle = { from = [0, 1], to = [1, 2], cells = [2, 2] } }
+material = { young = 100, poisson = 0 }
+fix = [{ side = "left", x = 0 }, { side = "right", x = 0 }]
+load = [{ side = "top", pressure = "t" }]
+active = { from = "second" }
+[[contact]]
+name = "joint"
+nonmortar = "up.bottom"
+mortar = "low.top"
+[[step]]
+time = 1
+[[step]]
+time = 2
+name = "second"
+[[probe]]
+name = "all of it"
+expression = "max(2*both, -100)"
+[[probe]]
+name = "both"
+expression = "('low-y' + up)/depth + 0*t"
+[[probe]]
+name = "low-y"
+quantity = "low.displacement.y"
+at = [0.5, 1]
+[[probe]]
+name = "up"
+quantity = "up.displacement.y"
+at = [0.5, 2]
+[[probe]]
+name = "ratio"
+expression = "sqrt('low-y')"
+[[probe]]
+name = "low alone"
+expression = "-100*'low-y' - t"
+"#;
+    let case = Case::<2>::from_str(text, "case.toml", Path::new(".")).unwrap();
+    let steps = case.model.solve_steps().unwrap();
+    let value = |step: usize, name: &str| steps[step].probe(name).unwrap();
+    for name in ["all of it", "both", "up", "ratio"] {
+        assert!(value(0, name).is_nan(), "{name}");
+    }
+    // the lower block is pressed by t in both steps
+    for step in [0, 1] {
+        assert!(value(step, "low alone").abs() < 1e-9);
+    }
+    let both = 0.5 * (value(1, "low-y") + value(1, "up"));
+    assert_eq!(value(1, "both"), both);
+    assert_eq!(value(1, "all of it"), 2.0 * both);
+    assert!(value(1, "ratio").is_nan());
+    let probe = |name: &str| case.probe(&format!("expression = \"{name}\""), &steps[1]);
+    assert_eq!(probe("both*depth").unwrap().value, 2.0 * both);
+    assert!(probe("booth").unwrap_err().to_string().contains("`both`"));
+}

@@ -721,6 +721,7 @@ fn friction_with_applied_compliance_is_solved_by_every_method() {
         Compliance::Operator {
             apply: Box::new(Applied(known.matrix)),
             preconditioner: Box::new(Applied(Mat::identity(4, 4))),
+            glue: None,
         },
         known.problem.shift,
         AdmissibleSet::new(blocks),
@@ -910,6 +911,7 @@ fn applied_compliance_gives_the_solution_of_the_assembled_one() {
         let problem = DualProblem::new(
             Compliance::Operator {
                 apply: Box::new(Applied(known.matrix.clone())),
+                glue: None,
                 preconditioner: Box::new(Applied(Mat::from_fn(m, m, |i, j| {
                     if i == j {
                         1.0 / known.matrix[(i, i)]

@@ -1,7 +1,7 @@
 //! Load steps: each is the answer that a run of its own gives, whatever came before it.
 
 use dotyk::mesh::Diagonals;
-use dotyk::model::{Event, Law, Motion, Pair, Reuse, Varied};
+use dotyk::model::{Event, Law, Motion, Pair, Reuse, Study, Varied};
 use dotyk::prelude::*;
 
 fn field(text: &str) -> Field {
@@ -453,14 +453,100 @@ fn a_study_gives_every_member_the_answer_of_its_own_run_and_failures_their_reaso
         assert_eq!(study.places(k), [k / 3, k % 3]);
         match make(&member.values) {
             Ok(model) => {
-                let alone = model.solve().unwrap().probes[0].value;
                 assert!(member.converged && member.reason.is_empty());
-                assert!((member.probes[0] - alone).abs() < 1e-11 * alone.abs());
+                assert_eq!(
+                    (&member.times[..], member.steps.len()),
+                    (&[0.5, 1.0][..], 2)
+                );
+                for (step, alone) in member.steps.iter().zip(model.solve_steps().unwrap()) {
+                    let alone = alone.probes[0].value;
+                    assert!((step[0] - alone).abs() < 1e-11 * alone.abs());
+                }
+                assert_eq!(member.probes, member.steps[1]);
             }
             Err(reason) => {
                 assert_eq!((member.converged, &member.reason), (false, &reason));
-                assert!(member.probes[0].is_nan());
+                assert!(member.probes[0].is_nan() && member.steps.is_empty());
             }
         }
     }
+    let study = Study {
+        all_steps: true,
+        ..study
+    };
+    let heads: Vec<&str> = study.heads().collect();
+    assert_eq!(heads[..4], ["young", "load", "step", "time"]);
+    let rows = study.rows();
+    assert_eq!(rows.len(), 6 * 2 + 3);
+    for pair in rows[..4].chunks(2) {
+        let told: Vec<_> = pair.iter().map(|row| row.step).collect();
+        assert_eq!(told, [Some((1, 0.5)), Some((2, 1.0))]);
+    }
+    let failed = &rows[4];
+    assert!(!failed.converged && failed.probes[0].is_nan() && !failed.reason.is_empty());
+    assert!(
+        failed
+            .step
+            .is_some_and(|(step, time)| step == 1 && time.is_nan())
+    );
+}
+
+/// A block that is pressed against a wall and then dragged: with little friction the second step slides.
+#[test]
+fn a_member_that_fails_in_a_later_step_keeps_the_earlier_ones() {
+    let text = r#"
+analysis = "plane-strain"
+parameters = { mu = 0.5 }
+[[body]]
+name = "b"
+mesh = { rectangle = { from = [0, 0], to = [2, 1], cells = [4, 2] } }
+material = { young = 1000, poisson = 0 }
+load = [{ side = "top", traction = ["0.3*(t - 1)", -1] }]
+[[contact]]
+name = "floor"
+nonmortar = "b.bottom"
+obstacle = { plane = { point = [0, 0], normal = [0, 1] } }
+friction = "mu"
+[[step]]
+time = 1
+[[step]]
+time = 2
+[[probe]]
+name = "force"
+quantity = "floor.resultant.y"
+[[probe]]
+name = "late"
+quantity = "floor.gap"
+along = "b.bottom"
+[[probe]]
+name = "drag"
+quantity = "floor.resultant.x"
+"#;
+    let case = dotyk::case::Case::<2>::from_str(text, "case.toml", std::path::Path::new("."));
+    let case = case.unwrap();
+    let varied = vec![Varied {
+        name: "mu".to_string(),
+        values: vec![0.1, 0.5],
+        log: false,
+    }];
+    let study = case.study(&[], varied, &|| ()).unwrap();
+    let study = Study {
+        all_steps: true,
+        ..study
+    };
+    let rows = study.rows();
+    let told: Vec<_> = rows
+        .iter()
+        .map(|r| (r.step.unwrap(), r.converged))
+        .collect();
+    let [one, two] = [(1, 1.0), (2, 2.0)];
+    assert_eq!(told, [(one, true), (two, false), (one, true), (two, true)]);
+    assert!((rows[0].probes[0] - 2.0).abs() < 1e-9 && rows[1].probes[0].is_nan());
+    assert!(
+        (rows[3].probes[1] + 0.6).abs() < 1e-9,
+        "{:?}",
+        rows[3].probes
+    );
+    assert!(rows[1].reason.contains("slides"), "{}", rows[1].reason);
+    assert!(study.members[0].probes[0].is_nan() && !study.converged());
 }

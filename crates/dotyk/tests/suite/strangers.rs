@@ -282,6 +282,8 @@ fn tables(word: &str) -> (Study, Comparison) {
     let members = [1.0, 2.0].map(|value| StudyMember {
         values: vec![value],
         probes: vec![value],
+        times: vec![0.5, 1.0],
+        steps: vec![vec![value]; 2],
         converged: value < 2.0,
         reason: word.to_string(),
         warnings: vec![word.to_string()],
@@ -302,6 +304,7 @@ fn tables(word: &str) -> (Study, Comparison) {
             dimension: Dimension::Force,
         }],
         members: members.to_vec(),
+        all_steps: true,
     };
     let row = ComparisonRow {
         method: word.to_string(),
@@ -341,7 +344,13 @@ fn nothing_of_a_study_or_a_comparison_is_obeyed() {
     assert_unobeyed(&strange, &written(PLAIN, "study-plain").0);
     assert_closed(&strange[0]);
     let (_, tables) = written("=1+2", "study-sheet");
-    assert!(tables[0].starts_with("'=1+2,'@=1+2,converged,reason\n1.0,1.0,true,'=1+2\n"));
+    let head = "'=1+2,step,time,'@=1+2,converged,reason\n1.0,1,0.5,1.0,true,\n";
+    assert!(tables[0].starts_with(head), "{}", tables[0]);
+    assert!(
+        tables[0].ends_with("2.0,3,NaN,NaN,false,'=1+2\n"),
+        "{}",
+        tables[0]
+    );
     assert!(tables[1].contains("\n'=1+2,"), "{}", tables[1]);
 }
 

@@ -32,6 +32,7 @@ fn stands<const D: usize>(answer: Answer<D>) -> Intrusion<D> {
         Err(Objection::Violated {
             certificate,
             open: None,
+            glued: false,
             overlap: None,
             intrusion: Some(found),
         }) => {

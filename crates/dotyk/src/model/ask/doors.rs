@@ -292,6 +292,7 @@ impl<const D: usize> Model<D> {
             return Err(Error::Times(self.times.clone()));
         }
         self.check_presence()?;
+        self.check_formulas()?;
         let bodies = self.bodies.iter().map(|body| ("body", &body.name));
         let contacts = self.contacts.iter();
         let contacts = contacts.map(|contact| ("contact", &contact.name));

@@ -7,9 +7,11 @@
 use crate::model::march::reuse::Reuse;
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::model::{Model, Units};
+use crate::model::nouns::solution::Solution;
 use crate::model::nouns::told::told_in_steps;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A parameter and the values that it takes.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +40,10 @@ pub struct StudyMember {
     pub values: Vec<f64>,
     /// Values of the probes in the last load step, NaN where it has no answer.
     pub probes: Vec<f64>,
+    /// Times of its load steps; none where its model cannot be made.
+    pub times: Vec<f64>,
+    /// Values of the probes in each load step that has an answer.
+    pub steps: Vec<Vec<f64>>,
     /// Every load step has its certificate.
     pub converged: bool,
     /// Why not; empty if it has.
@@ -59,6 +65,23 @@ pub struct Study {
     pub probes: Vec<Column>,
     /// All combinations; the first parameter changes slowest.
     pub members: Vec<StudyMember>,
+    /// Tables have a row for each load step of a member, and not for the last one alone.
+    pub all_steps: bool,
+}
+
+/// A row of the table of a study: a member, or one of its load steps.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyRow<'a> {
+    /// The member.
+    pub member: &'a StudyMember,
+    /// Number of the load step, from 1, and its time; `None` where the row is that of the last one.
+    pub step: Option<(usize, f64)>,
+    /// Values of the probes.
+    pub probes: Cow<'a, [f64]>,
+    /// It has an answer.
+    pub converged: bool,
+    /// Why not; empty if it has.
+    pub reason: &'a str,
 }
 
 /// Makes the model for some values, or gives the reason why it cannot.
@@ -84,7 +107,7 @@ impl Study {
             let mut reuse = Reuse::default();
             let solve = |index: usize| {
                 let values = combination(&varied, index);
-                let member = member(make(&values), values, probes.len(), &mut reuse);
+                let member = member(make(&values), values, &probes, &mut reuse);
                 observe();
                 (index, member)
             };
@@ -98,7 +121,44 @@ impl Study {
             units: model.units,
             varied,
             probes,
+            all_steps: false,
         }
+    }
+
+    /// The rows of its table: one for each member, or one for each load step of a member up to the one without an answer.
+    pub fn rows(&self) -> Vec<StudyRow<'_>> {
+        let whole = |member| StudyRow {
+            member,
+            step: None,
+            probes: Cow::Borrowed(&member.probes[..]),
+            converged: member.converged,
+            reason: &member.reason,
+        };
+        match self.all_steps {
+            true => self.members.iter().flat_map(StudyMember::rows).collect(),
+            false => self.members.iter().map(whole).collect(),
+        }
+    }
+
+    /// Names of its columns that have numbers: parameters, load step and time where all load steps are told, probes.
+    pub fn heads(&self) -> impl Iterator<Item = &str> {
+        let varied = self.varied.iter().map(|parameter| parameter.name.as_str());
+        let probes = self.probes.iter().map(|probe| probe.name.as_str());
+        let steps = step_heads(self.all_steps).iter().copied();
+        varied.chain(steps).chain(probes)
+    }
+
+    /// A name that two columns of the table would have.
+    pub fn doubled<'a, const D: usize>(
+        model: &'a Model<D>,
+        varied: &'a [Varied],
+        all_steps: bool,
+    ) -> Option<&'a str> {
+        let mut seen = BTreeSet::from(["converged", "reason"]);
+        seen.extend(step_heads(all_steps));
+        let varied = varied.iter().map(|parameter| parameter.name.as_str());
+        let probes = model.probes.iter().map(|probe| probe.name.as_str());
+        varied.chain(probes).find(|name| !seen.insert(name))
     }
 
     /// Which value of every parameter a member has, by its index.
@@ -129,6 +189,48 @@ impl Study {
             .iter()
             .map(|parameter| parameter.values.len())
             .product()
+    }
+}
+
+/// Names of the columns of load steps.
+fn step_heads(all_steps: bool) -> &'static [&'static str] {
+    if all_steps { &["step", "time"] } else { &[] }
+}
+
+impl StudyRow<'_> {
+    /// The numbers of its columns, in the order of [`Study::heads`].
+    pub fn numbers(&self) -> impl Iterator<Item = f64> {
+        let step = self.step.map(|(step, time)| [step as f64, time]);
+        let values = self.member.values.iter().copied();
+        let probes = self.probes.iter().copied();
+        values.chain(step.into_iter().flatten()).chain(probes)
+    }
+}
+
+impl StudyMember {
+    /// A row for each load step up to the one without an answer.
+    fn rows(&self) -> Vec<StudyRow<'_>> {
+        let time = |index: usize| self.times.get(index).copied().unwrap_or(f64::NAN);
+        let good = self
+            .steps
+            .iter()
+            .enumerate()
+            .map(|(index, probes)| StudyRow {
+                member: self,
+                step: Some((index + 1, time(index))),
+                probes: Cow::Borrowed(&probes[..]),
+                converged: true,
+                reason: "",
+            });
+        let next = self.steps.len();
+        let failed = (!self.converged).then(|| StudyRow {
+            member: self,
+            step: Some((next + 1, time(next))),
+            probes: Cow::Owned(vec![f64::NAN; self.probes.len()]),
+            converged: false,
+            reason: &self.reason,
+        });
+        good.chain(failed).collect()
     }
 }
 
@@ -187,27 +289,37 @@ fn combination(varied: &[Varied], index: usize) -> Vec<f64> {
 fn member<const D: usize>(
     model: Result<Model<D>, String>,
     values: Vec<f64>,
-    probes: usize,
+    probes: &[Column],
     reuse: &mut Reuse<D>,
 ) -> StudyMember {
-    let solved = model.and_then(|model| {
-        let steps = model.solve_reusing(reuse, &mut |_| {});
-        steps.map_err(|error| error.to_string())
-    });
-    let steps = solved.iter().flatten();
-    let warnings = told_in_steps(steps.map(|step| &step.warnings[..]));
-    let (read, reason) = match solved {
-        Ok(steps) => (steps.last().map(|last| last.probes.clone()), String::new()),
-        Err(reason) => (None, reason),
+    let times = model
+        .as_ref()
+        .map_or(Vec::new(), |model| model.times.clone());
+    let solved = match model {
+        Ok(model) => model.solve_reusing(reuse, &mut |_| {}).map_err(|error| {
+            let reason = error.to_string();
+            (error.into_earlier(), reason)
+        }),
+        Err(reason) => Err((Vec::new(), reason)),
     };
-    let read = read.map(|read| {
-        let numbers = read.iter().filter(|probe| probe.line.is_empty());
-        numbers.map(|probe| probe.value).collect()
-    });
+    let told = solved.iter().flatten();
+    let warnings = told_in_steps(told.map(|step| &step.warnings[..]));
+    let (steps, reason) = match solved {
+        Ok(steps) => (steps, String::new()),
+        Err(failed) => failed,
+    };
+    // by name: a line of an absent part is told as one number
+    let number = |step: &Solution<D>, probe: &Column| step.probe(&probe.name).unwrap_or(f64::NAN);
+    let numbers = |step| probes.iter().map(|probe| number(step, probe)).collect();
+    let steps: Vec<Vec<f64>> = steps.iter().map(numbers).collect();
+    let converged = reason.is_empty();
+    let last = steps.last().filter(|_| converged);
     StudyMember {
         values,
-        converged: reason.is_empty(),
-        probes: read.unwrap_or_else(|| vec![f64::NAN; probes]),
+        converged,
+        probes: last.map_or_else(|| vec![f64::NAN; probes.len()], Vec::clone),
+        times,
+        steps,
         reason,
         warnings,
     }

@@ -20,6 +20,7 @@ use crate::model::read::view::View;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Condition, carriers, contact_rows};
 use crate::model::system::dependent::shared_forces;
+use crate::model::system::factor::division;
 use crate::model::system::member::member_solutions;
 use crate::solve::{Bolt, Outcome};
 use std::collections::BTreeMap;
@@ -168,6 +169,10 @@ pub(crate) fn finish<const D: usize>(
             bolts,
             contraction: outcome.fixed_point.and_then(|found| found.contraction),
         },
+        division: division(
+            &condensed.ordered[..model.bodies.len()],
+            &condensed.factored,
+        ),
         warnings,
         probes: Vec::new(),
         contact_unknowns: condensed.gaps.len(),

@@ -60,9 +60,14 @@ pub(crate) fn objection<const D: usize>(
                 let forces = &attempt.outcome.multipliers;
                 most_open(model, condensed, &judged.displaced, forces)
             });
+            let balanced = [certificate.imbalance_force, certificate.imbalance_moment];
+            let unbalanced = balanced.iter().any(|figure| !figure.holds());
+            let mut ordered = condensed.ordered.iter();
+            let glued = unbalanced && ordered.any(|ordered| ordered.divided().is_some());
             Some(Objection::Violated {
                 certificate: Box::new(certificate),
                 open: open.flatten(),
+                glued,
                 intrusion: intrusion
                     .filter(|_| !certificate.overlap.holds())
                     .map(Box::new),

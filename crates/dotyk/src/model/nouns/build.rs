@@ -2,6 +2,7 @@
 
 use crate::geometry::{Field, Point};
 use crate::mesh::Mesh;
+use crate::model::nouns::formula::Formula;
 use crate::model::nouns::ids::{BodyId, SideRef};
 use crate::model::nouns::model::*;
 use crate::model::nouns::quantity::{Quantity, QuantityError};
@@ -244,17 +245,20 @@ impl<const D: usize> Model<D> {
         let sections: Vec<&str> = sections.collect();
         let named = [&contacts[..], &sections];
         let quantity = Quantity::parse(quantity, &self.bodies, named, &self.members)?;
-        self.probes.push(Probe {
-            name: name.to_string(),
-            quantity,
-            reading,
-            along: None,
-            minus_rigid: None,
-            center: [0.0; D],
-            factor: None,
-        });
+        self.probes.push(Probe::new(name, quantity, reading));
         let last = self.probes.len() - 1;
         Ok(&mut self.probes[last])
+    }
+
+    /// Reads a number of the values of other probes, whatever the order of the probes.
+    pub fn probe_of(&mut self, name: &str, formula: Formula) -> &mut Probe<D> {
+        self.probes.push(Probe::new(
+            name,
+            Quantity::of_formula(formula),
+            Reading::Whole,
+        ));
+        let last = self.probes.len() - 1;
+        &mut self.probes[last]
     }
 
     /// A frictionless unilateral contact of a side with a fixed rigid obstacle at a distance along its normal.

@@ -23,6 +23,6 @@ pub enum Dimension {
     Energy,
     /// Radians.
     Angle,
-    /// An integral of another one.
+    /// An integral of another one, or that of an expression.
     Other,
 }

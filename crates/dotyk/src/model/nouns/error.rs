@@ -327,6 +327,14 @@ impl<const D: usize> Error<D> {
         }
     }
 
+    /// The load steps before the one with the error, which have converged.
+    pub(crate) fn into_earlier(self) -> Vec<Solution<D>> {
+        match self {
+            Self::Step { earlier, .. } | Self::NotConverged { earlier, .. } => earlier,
+            _ => Vec::new(),
+        }
+    }
+
     /// The part of the model with the error, if it is one part.
     pub fn subject(&self) -> Option<Subject> {
         match self {
@@ -455,6 +463,26 @@ pub enum ProbeError<const D: usize> {
         "it is known at stations, or points of integration: read it at the nearest one, `at`, or reduced over all of them, `reduce`"
     )]
     StationsAlone,
+    /// A formula of a probe that is not there.
+    #[error("there is no probe `{name}`")]
+    NoProbe {
+        /// Its name.
+        name: String,
+    },
+    /// A formula of a probe with values along a line.
+    #[error(
+        "the probe `{name}` has values along a line, and an expression takes one number: read it with `at` or `reduce`"
+    )]
+    OfLine {
+        /// Its name.
+        name: String,
+    },
+    /// A formula that takes itself.
+    #[error("its value depends on itself: {way}")]
+    Circular {
+        /// Names of probes, from the first to itself.
+        way: String,
+    },
     /// The nodes of a side in space as a line.
     #[error(
         "the nodes of a side in space have no order along a line: give `reduce`, or `along` from one point to another"
@@ -493,6 +521,8 @@ pub enum Objection<const D: usize> {
         certificate: Box<Certificate>,
         /// The contact, in words, whose forces are too uncertain by rounding.
         open: Option<String>,
+        /// Forces are not balanced, and bodies are in pieces: the iterations that glue them did not get there.
+        glued: bool,
         /// Contact, place and depth where two sides overlap most between their nodes, if by too much.
         overlap: Option<(String, Point<D>, f64)>,
         /// The intrusion of a deformed body into another one, if it is deeper than allowed.
@@ -645,6 +675,7 @@ impl<const D: usize> fmt::Display for Objection<D> {
             Self::Violated {
                 certificate,
                 open,
+                glued,
                 overlap,
                 intrusion,
             } => {
@@ -654,6 +685,9 @@ impl<const D: usize> fmt::Display for Objection<D> {
                         f,
                         ": rounding of coordinates and displacements decides forces of {called}, whose multipliers are finer than the softer side; swap its nonmortar and mortar"
                     )?;
+                }
+                if *glued {
+                    f.write_str(": the pieces of bodies were not glued to that accuracy; `subdomains = 1` under [solver] keeps bodies whole")?;
                 }
                 if let Some((contact, point, depth)) = overlap {
                     let (depth, at) = (Short(*depth), show(*point));

@@ -8,6 +8,7 @@ pub mod event;
 pub mod field;
 pub mod file_names;
 pub mod finding;
+pub mod formula;
 pub mod gasket;
 pub mod ids;
 pub mod intrusion;

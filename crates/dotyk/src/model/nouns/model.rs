@@ -356,6 +356,18 @@ pub struct SolverOptions<const D: usize> {
     pub bolts: Bolts<D>,
     /// Bytes that matrices and factors may take; `None`: no limit. For cases it is the memory of the machine.
     pub memory: Option<u64>,
+    /// Into how many pieces the bodies are divided.
+    pub subdomains: Subdomains,
+}
+
+/// How bodies are divided into pieces, which are factored by themselves and glued in every solution (`linalg/glued.rs`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Subdomains {
+    /// As size and memory ask for.
+    #[default]
+    Auto,
+    /// So many pieces of about the same size in all; each body is at least one, and so is each part of it that no facet joins to others.
+    Parts(usize),
 }
 
 impl<const D: usize> SolverOptions<D> {
@@ -385,6 +397,7 @@ impl<const D: usize> Default for SolverOptions<D> {
             rho: None,
             bolts: Bolts::Automatic,
             memory: None,
+            subdomains: Subdomains::Auto,
         }
     }
 }
@@ -447,6 +460,19 @@ pub enum Along<const D: usize> {
 }
 
 impl<const D: usize> Probe<D> {
+    /// Of a quantity as it is.
+    pub fn new(name: &str, quantity: Quantity, reading: Reading<D>) -> Self {
+        Self {
+            name: name.to_string(),
+            quantity,
+            reading,
+            along: None,
+            minus_rigid: None,
+            center: [0.0; D],
+            factor: None,
+        }
+    }
+
     /// The couple at whose point it is read.
     pub fn coupled<'m>(&self, model: &'m Model<D>) -> Option<&'m Couple<D>> {
         let Reading::Coupled(place) = self.reading else {

@@ -8,12 +8,15 @@
 //!   MEMBER.force          BODY.SIDE.pressure      BODY.SIDE.closed_area
 //! ```
 //!
+//! Or a quantity is a formula of other probes.
+//!
 //! A new quantity is a variant with its word here, and its value in `probe.rs`.
 
 use crate::fem::{Bed, Body};
 use crate::geometry::{Point, norm};
 use crate::model::nouns::dimension::Dimension;
 use crate::model::nouns::field::{FieldKind, Needs, Shape};
+use crate::model::nouns::formula::Formula;
 use crate::model::nouns::member::MemberWords;
 use crate::model::nouns::members::{Member, MemberKind};
 use crate::model::nouns::section::SectionQuantity;
@@ -67,6 +70,8 @@ pub(crate) enum Parts {
     Shortening(usize),
     /// A quantity of the bed of a side of a body.
     Bed(usize, String, BedQuantity),
+    /// A number of the values of other probes.
+    Formula(Formula),
 }
 
 /// A quantity of a bed: a field of its points of integration, or a number.
@@ -340,6 +345,7 @@ impl Quantity {
             | Parts::Obstacle(contact, _) => *contact = contacts[*contact]?,
             Parts::Section(section, _) => *section = sections[*section]?,
             Parts::Member(member) | Parts::Shortening(member) => *member = members[*member]?,
+            Parts::Formula(_) => {}
         }
         let text = self.text.clone();
         Some(Self {
@@ -358,6 +364,23 @@ impl Quantity {
             absent: true,
             ..quantity
         })
+    }
+
+    /// A number of the values of other probes.
+    pub fn of_formula(formula: Formula) -> Self {
+        Self {
+            text: formula.to_string(),
+            parts: Parts::Formula(formula),
+            absent: false,
+        }
+    }
+
+    /// The formula that it is.
+    pub fn formula(&self) -> Option<&Formula> {
+        match &self.parts {
+            Parts::Formula(formula) => Some(formula),
+            _ => None,
+        }
     }
 
     /// Its contact was not found.
@@ -385,6 +408,7 @@ impl Quantity {
             Parts::Utilisation(..) => Dimension::Ratio,
             Parts::Field(_, field, _) => FieldKind::<3>::ALL[field].dimension,
             Parts::Section(_, quantity) => quantity.dimension(),
+            Parts::Formula(_) => Dimension::Other,
         }
     }
 

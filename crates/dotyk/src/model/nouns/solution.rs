@@ -513,6 +513,17 @@ pub struct SolverReport<const D: usize> {
     pub contraction: Option<f64>,
 }
 
+/// How the bodies were divided into pieces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Division {
+    /// Number of pieces of all bodies; a whole body is one.
+    pub subdomains: usize,
+    /// Size of the coarse problems: the rigid motions of the pieces of divided bodies.
+    pub coarse: usize,
+    /// Solutions with every piece of divided bodies so far, earlier load steps included.
+    pub iterations: usize,
+}
+
 /// Value of a probe.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProbeValue {
@@ -568,6 +579,8 @@ pub struct Solution<const D: usize> {
     pub converged: bool,
     /// How it was solved.
     pub solver: SolverReport<D>,
+    /// How the bodies were divided.
+    pub division: Division,
     /// Warnings to the user.
     pub warnings: Vec<String>,
     /// Values of the model's probes.

@@ -4,6 +4,7 @@ pub mod assumptions;
 pub mod beds;
 pub mod coupled;
 pub mod fields;
+pub mod formulas;
 pub mod line;
 pub mod on_side;
 pub mod probe;

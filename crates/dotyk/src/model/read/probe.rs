@@ -21,6 +21,7 @@ use crate::model::nouns::solution::{
     BedPoint, BedSolution, BodySolution, ContactNode, LinePoint, ProbeValue, Solution,
     effective_stress,
 };
+use crate::model::read::formulas::compute;
 use crate::model::read::line::{
     Breaks, Station, points_between, stations_along, stations_at, stations_within,
 };
@@ -55,7 +56,10 @@ pub(crate) fn read_probes<const D: usize>(
     let read = |(probe, site): (&Probe<D>, &Site<D>)| {
         value(model, solution, probe, site).map_err(|source| in_probe(probe, source))
     };
-    model.probes.iter().zip(sites).map(read).collect()
+    let values = model.probes.iter().zip(sites).map(read);
+    let mut values = values.collect::<Result<Vec<_>, _>>()?;
+    compute(model, &mut values, solution.time);
+    Ok(values)
 }
 
 fn value<const D: usize>(
@@ -145,6 +149,7 @@ fn site<const D: usize>(
         | Parts::Dissipated(..)
         | Parts::Shortening(_)
         | Parts::Bed(.., BedQuantity::ClosedArea)
+        | Parts::Formula(_)
         | Parts::Obstacle(..) => return Ok(nowhere),
         Parts::Section(..) | Parts::Member(_) | Parts::Bed(..) => {
             match (&probe.along, probe.reading) {
@@ -514,6 +519,10 @@ fn field<'a, const D: usize>(
         }
         Parts::Shortening(of) => number(solution.members[of].shortening.unwrap_or(f64::NAN)),
         Parts::Section(..) | Parts::Member(_) | Parts::Bed(..) => number(f64::NAN),
+        // of the numbers that were read in the step
+        Parts::Formula(ref formula) => {
+            number(formula.value(|name| solution.probe(name), solution.time))
+        }
         Parts::Rotation(of, axis) => number(rotation(body(of).1, probe.reading, axis)),
         Parts::Displacement(of, component) => {
             let (mesh, solved) = body(of);

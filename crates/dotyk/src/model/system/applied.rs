@@ -4,18 +4,20 @@
 //!   F = Σ B_b K_b⁺ B_bᵀ,        M = Σ δ_b² B_b S_b B_bᵀ ≈ F⁻¹ on the balanced forces
 //! ```
 
+use crate::dual::Glue;
 use crate::fem::BodySystem;
 use crate::linalg::dense::{dot, least_squares, norm};
-use crate::linalg::{Cholesky, LinearOperator, Mat, SymmetricMatrix};
+use crate::linalg::{Cholesky, Glued, LinearOperator, Mat, SymmetricMatrix, analyse};
 use crate::model::system::bodies::{BodyRows, LoadedBody};
-use crate::model::system::factor::{FactoredBody, Ordered, analyse};
+use crate::model::system::factor::{FactoredBody, Inverse, Ordered};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// x ↦ Fx by one solve with every body.
 pub(crate) struct CompliantBodies {
     len: usize,
-    bodies: Vec<(Arc<Cholesky>, Arc<BodyRows>)>,
+    bodies: Vec<(Arc<Inverse>, Arc<BodyRows>)>,
 }
 
 impl CompliantBodies {
@@ -83,6 +85,151 @@ impl LinearOperator for CompliantBodies {
     }
 }
 
+/// F of bodies some of which are in pieces, with the forces of their glue.
+pub(crate) struct GluedBodies {
+    /// Inverse and rows of every body that is touched, and its first force of glue and rigid motion of pieces among all.
+    bodies: Vec<(Arc<Inverse>, Arc<BodyRows>, [usize; 2])>,
+    glue: usize,
+    modes: usize,
+    /// BR.
+    motions: Vec<Vec<(usize, f64)>>,
+    boundary: BoundaryStiffness,
+}
+
+impl GluedBodies {
+    /// `None` where all touched bodies are whole.
+    pub fn new(compliant: &CompliantBodies, boundary: &BoundaryStiffness) -> Option<Self> {
+        let (mut glue, mut modes) = (0, 0);
+        let mut motions = vec![Vec::new(); compliant.len];
+        let place = |(inverse, rows): &(Arc<Inverse>, Arc<BodyRows>)| {
+            let first = [glue, modes];
+            if let Some(glued) = inverse.glued() {
+                glue += glued.border();
+                modes += glued.whole().coarse();
+                let own = glued.whole().motions(&rows.matrix);
+                for (&row, own) in rows.index.iter().zip(own) {
+                    let own = own
+                        .into_iter()
+                        .map(|(mode, motion)| (first[1] + mode, motion));
+                    motions[row].extend(own);
+                }
+            }
+            (Arc::clone(inverse), Arc::clone(rows), first)
+        };
+        let bodies = compliant.bodies.iter().map(place).collect();
+        (glue > 0).then(|| Self {
+            bodies,
+            glue,
+            modes,
+            motions,
+            boundary: boundary.clone(),
+        })
+    }
+
+    /// The bodies in pieces: these, their rows, and the places of their forces of glue and of their rigid motions.
+    fn divided(&self) -> impl Iterator<Item = (&Glued, &BodyRows, [Range<usize>; 2])> {
+        self.bodies.iter().filter_map(|(inverse, rows, first)| {
+            let glued = inverse.glued()?;
+            let [glue, modes] = *first;
+            let places = [
+                glue..glue + glued.border(),
+                modes..modes + glued.whole().coarse(),
+            ];
+            Some((glued, &**rows, places))
+        })
+    }
+}
+
+impl Glue for GluedBodies {
+    fn len(&self) -> usize {
+        self.glue
+    }
+
+    fn modes(&self) -> usize {
+        self.modes
+    }
+
+    fn motions(&self) -> &[Vec<(usize, f64)>] {
+        &self.motions
+    }
+
+    fn network(&self) -> Vec<(usize, usize, f64)> {
+        let of_bodies = self.divided().flat_map(|(glued, _, [_, modes])| {
+            let matrix = glued.whole().network();
+            (0..matrix.len()).flat_map(move |j| {
+                let rows = matrix.rows_of(j).iter().zip(matrix.values_of(j));
+                let first = modes.start;
+                rows.map(move |(&i, &value)| (first + i as usize, first + j, value))
+            })
+        });
+        of_bodies.collect()
+    }
+
+    fn works(&self, t: &[f64], work: &mut [f64]) {
+        for (glued, _, [glue, modes]) in self.divided() {
+            work[modes].copy_from_slice(&glued.whole().works(&t[glue]));
+        }
+    }
+
+    fn pulls(&self, jumps: &[f64], pull: &mut [f64]) {
+        for (glued, _, [glue, modes]) in self.divided() {
+            pull[modes].copy_from_slice(&glued.whole().pulls(&jumps[glue]));
+        }
+    }
+
+    fn push(&self, amplitudes: &[f64], t: &mut [f64]) {
+        for (glued, _, [glue, modes]) in self.divided() {
+            glued.whole().push(&amplitudes[modes], &mut t[glue]);
+        }
+    }
+
+    fn part(&self, amplitudes: &[f64], jumps: &mut [f64]) {
+        for (glued, _, [glue, modes]) in self.divided() {
+            glued.whole().part(&amplitudes[modes], &mut jumps[glue]);
+        }
+    }
+
+    fn respond(
+        &self,
+        (lambda, t): (&[f64], &[f64]),
+        placed: bool,
+        product: &mut [f64],
+        jumps: &mut [f64],
+    ) {
+        let bodies = self.bodies.par_iter();
+        let moved = bodies.map(|(inverse, rows, [first, _])| {
+            let mut u = vec![0.0; rows.matrix.cols()];
+            rows.add_forces(1.0, lambda, &mut u);
+            let mut jumps = Vec::new();
+            match inverse.glued() {
+                Some(glued) => {
+                    let t = &t[*first..first + glued.border()];
+                    (u, jumps) = glued.move_under(&u, t, placed);
+                }
+                None => inverse.solve(&mut u),
+            }
+            let mut out = vec![0.0; rows.index.len()];
+            rows.matrix.mul(&u, &mut out);
+            (out, jumps)
+        });
+        let (parts, of_bodies): (Vec<_>, Vec<_>) = moved.collect::<Vec<_>>().into_iter().unzip();
+        scatter(self.bodies.iter().map(|body| &*body.1), &parts, product);
+        jumps.copy_from_slice(&of_bodies.concat());
+    }
+
+    fn keep(&self, lambda: &[f64], t: &[f64]) {
+        for (glued, rows, [glue, _]) in self.divided() {
+            let mut push = vec![0.0; rows.matrix.cols()];
+            rows.add_forces(1.0, lambda, &mut push);
+            glued.keep(push, t[glue].to_vec());
+        }
+    }
+
+    fn precondition(&self, product: &[f64], jumps: &[f64], lambda: &mut [f64], t: &mut [f64]) {
+        self.boundary.apply_with(product, jumps, lambda, t);
+    }
+}
+
 /// Columns that products with F take at a time: enough to share the reading of a factor, few enough for the memory.
 const BLOCK: usize = 16;
 
@@ -106,21 +253,32 @@ fn scatter<'a>(rows: impl Iterator<Item = &'a BodyRows>, parts: &[Vec<f64>], y: 
 /// block is as stiff as the block under forces from node to node, and softer by many powers of ten under long waves: with the softness
 /// of short waves alone M would be wrong by the same powers. s is the geometric mean of the ratios for the shortest and the longest
 /// waves, so that the error is the same at both ends.
+///
+/// A row that is spread over many nodes of a body measures little of displacements that alternate from node to node. Its softness for
+/// these, with the squares of its entries, is its share, so that the side whose nodes bear the forces has most of it; where all nodes
+/// move alike it measures the sum of the entries.
 /// Source: as described for FETI methods by Z. Dostál and others (scaled Dirichlet preconditioner).
+#[derive(Clone)]
 pub(crate) struct BoundaryStiffness {
     len: usize,
-    bodies: Vec<BoundaryPart>,
+    bodies: Vec<Arc<BoundaryPart>>,
 }
 
 struct BoundaryPart {
     rows: Arc<BodyRows>,
-    /// Factor of K with the contact dofs held as well.
-    inner: Cholesky,
-    stiffness: SymmetricMatrix,
+    inner: Inner,
     contact: Vec<usize>,
     held: Vec<bool>,
-    /// δ_b/|B_row|² of each local row.
+    /// δ_b/|B_row|² of each local row, of sizes that are summed over nodes.
     weight: Vec<f64>,
+}
+
+/// What condenses a body onto its contact dofs.
+enum Inner {
+    /// K, and its factor with the contact dofs held as well.
+    Whole(Cholesky, SymmetricMatrix),
+    /// Pieces, their borders held.
+    Pieces(Arc<Inverse>),
 }
 
 impl BoundaryStiffness {
@@ -131,9 +289,7 @@ impl BoundaryStiffness {
         ordered: &[Arc<Ordered>],
     ) -> Self {
         let parts = (bodies, factored, ordered).into_par_iter();
-        let part = |(b, f, o): (&_, &FactoredBody, &Arc<Ordered>)| {
-            boundary_part(b, &f.factor, &o.grounded)
-        };
+        let part = |(b, f, o): (&_, &FactoredBody, &Arc<Ordered>)| boundary_part(b, &f.factor, o);
         let parts = parts.map(part);
         let parts: Vec<Option<BoundaryPart>> = parts.collect();
         let mut parts: Vec<BoundaryPart> = parts.into_iter().flatten().collect();
@@ -145,26 +301,37 @@ impl BoundaryStiffness {
         }
         for part in &mut parts {
             for (local, &row) in part.rows.index.iter().enumerate() {
-                let size: f64 = part
-                    .rows
-                    .matrix
-                    .row(local)
-                    .map(|(_, value)| value * value)
-                    .sum();
+                let size = extent::<D>(part.rows.matrix.row(local)).powi(2);
                 if total[row] > 0.0 {
                     part.weight[local] /= total[row] * size;
                 }
             }
         }
-        Self { len, bodies: parts }
+        let bodies = parts.into_iter().map(Arc::new).collect();
+        Self { len, bodies }
     }
+}
+
+/// The sum over all nodes of the sizes of their entries in a row: the displacement that it measures where all nodes move alike.
+///
+/// A row that is spread over many nodes answers forces from node to node with little else than zero: its size for long waves counts.
+fn extent<const D: usize>(row: impl Iterator<Item = (usize, f64)>) -> f64 {
+    let (mut whole, mut node, mut own) = (0.0, usize::MAX, 0.0f64);
+    for (dof, value) in row {
+        if dof / D != node {
+            whole += own.sqrt();
+            (node, own) = (dof / D, 0.0);
+        }
+        own += value * value;
+    }
+    whole + own.sqrt()
 }
 
 /// `None` where no row touches the body, and for a rigid part, which has no compliance.
 fn boundary_part<const D: usize>(
     body: &LoadedBody<D>,
-    factor: &Cholesky,
-    grounded: &[usize],
+    factor: &Arc<Inverse>,
+    ordered: &Ordered,
 ) -> Option<BoundaryPart> {
     let rows = body.rows.clone();
     let system = &body.system;
@@ -181,6 +348,38 @@ fn boundary_part<const D: usize>(
     let contact: Vec<usize> = (0..on_contact.len())
         .filter(|&dof| on_contact[dof] && !system.held[dof])
         .collect();
+    let inner = match ordered.divided() {
+        Some(_) => Inner::Pieces(Arc::clone(factor)),
+        None => whole_inner(system, &on_contact, &ordered.grounded)?,
+    };
+    let short = contact.iter().map(|&dof| 1.0 / diagonal[dof]).sum::<f64>();
+    let short = short / contact.len().max(1) as f64;
+    // the borders of pieces hold what long waves would move
+    let long = match &inner {
+        Inner::Whole(..) => largest_softness(body, factor).max(short),
+        Inner::Pieces(_) => short,
+    };
+    let softness = (short * long).sqrt();
+    let of_row = |local: usize| {
+        let parts = rows.matrix.row(local).map(|(_, value)| value * value);
+        softness * parts.sum::<f64>()
+    };
+    let weight = (0..rows.index.len()).map(of_row).collect();
+    Some(BoundaryPart {
+        rows,
+        inner,
+        contact,
+        held: system.held.clone(),
+        weight,
+    })
+}
+
+/// The factor of a body with its contact dofs held.
+fn whole_inner<const D: usize>(
+    system: &BodySystem<D>,
+    on_contact: &[bool],
+    grounded: &[usize],
+) -> Option<Inner> {
     let mut keep: Vec<bool> = (0..on_contact.len())
         .map(|dof| !on_contact[dof] && !system.held[dof])
         .collect();
@@ -189,18 +388,7 @@ fn boundary_part<const D: usize>(
         grounded.iter().for_each(|&dof| keep[dof] = false);
         factored(system, &keep)
     })?;
-    let short = contact.iter().map(|&dof| 1.0 / diagonal[dof]).sum::<f64>();
-    let short = short / contact.len().max(1) as f64;
-    let softness = (short * largest_softness(body, factor).max(short)).sqrt();
-    let weight = vec![softness; rows.index.len()];
-    Some(BoundaryPart {
-        rows,
-        inner,
-        stiffness: system.stiffness.clone(),
-        contact,
-        held: system.held.clone(),
-        weight,
-    })
+    Some(Inner::Whole(inner, system.stiffness.clone()))
 }
 
 /// Products with F_b after which its largest eigenvalue is known well enough for a weight.
@@ -210,7 +398,7 @@ const PRODUCTS: usize = 6;
 const BALANCED: f64 = 1e-10;
 
 /// About the largest softness of a body under balanced contact forces: that of the longest waves.
-fn largest_softness<const D: usize>(body: &LoadedBody<D>, factor: &Cholesky) -> f64 {
+fn largest_softness<const D: usize>(body: &LoadedBody<D>, factor: &Inverse) -> f64 {
     let rows = &body.rows;
     let of_modes = Mat::from_fn(rows.index.len(), body.system.modes.len(), |local, mode| {
         let mode = &body.system.modes[mode];
@@ -251,8 +439,26 @@ fn largest_softness<const D: usize>(body: &LoadedBody<D>, factor: &Cholesky) -> 
 
 /// The factor of K on the kept dofs, if these are held.
 fn factored<const D: usize>(system: &BodySystem<D>, keep: &[bool]) -> Option<Cholesky> {
-    let analysis = analyse(system, keep, &[]).ok()?;
+    let analysis = analyse::<D>(&system.graph, &system.stiffness, keep, &[]).ok()?;
     analysis.factor(&system.stiffness).ok()
+}
+
+impl BoundaryStiffness {
+    /// y = Mx, and the forces of the glue of all bodies in pieces for some jumps, one body after the other.
+    fn apply_with(&self, x: &[f64], jumps: &[f64], y: &mut [f64], t: &mut [f64]) {
+        let mut first = 0;
+        let with_jumps = |part: &Arc<BoundaryPart>| {
+            let range = first..first + part.inner.glued().map_or(0, Glued::border);
+            first = range.end;
+            (Arc::clone(part), range)
+        };
+        let parts: Vec<_> = self.bodies.iter().map(with_jumps).collect();
+        let forces = parts.into_par_iter();
+        let forces = forces.map(|(part, range)| part.apply(x, &jumps[range]));
+        let (parts, of_glue): (Vec<_>, Vec<_>) = forces.collect::<Vec<_>>().into_iter().unzip();
+        scatter(self.bodies.iter().map(|part| &*part.rows), &parts, y);
+        t.copy_from_slice(&of_glue.concat());
+    }
 }
 
 impl LinearOperator for BoundaryStiffness {
@@ -261,14 +467,54 @@ impl LinearOperator for BoundaryStiffness {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64]) {
-        let parts: Vec<Vec<f64>> = self.bodies.par_iter().map(|part| part.apply(x)).collect();
+        let parts: Vec<Vec<f64>> = self
+            .bodies
+            .par_iter()
+            .map(|part| part.apply(x, &[]).0)
+            .collect();
         scatter(self.bodies.iter().map(|part| &*part.rows), &parts, y);
     }
 }
 
+impl Inner {
+    fn glued(&self) -> Option<&Glued> {
+        match self {
+            Self::Whole(..) => None,
+            Self::Pieces(inverse) => inverse.glued(),
+        }
+    }
+
+    /// S v on the contact dofs: (K w)_c with w = v there, and K w = 0 inside; and the forces of the glue for some jumps, which may be
+    /// left out.
+    fn boundary_forces(&self, v: &[f64], jumps: &[f64], contact: &[usize]) -> (Vec<f64>, Vec<f64>) {
+        let (inner, stiffness) = match self {
+            Self::Whole(inner, stiffness) => (inner, stiffness),
+            Self::Pieces(inverse) => {
+                return match inverse.glued() {
+                    Some(glued) if jumps.is_empty() => (glued.touched_forces(v), Vec::new()),
+                    Some(glued) => glued.forces_of(v, jumps),
+                    None => (vec![0.0; v.len()], Vec::new()),
+                };
+            }
+        };
+        let n = v.len();
+        let mut force = vec![0.0; n];
+        stiffness.mul(v, &mut force);
+        let mut inside = force.clone();
+        inner.solve(&mut inside);
+        let mut correction = vec![0.0; n];
+        stiffness.mul(&inside, &mut correction);
+        let mut boundary = vec![0.0; n];
+        for &dof in contact {
+            boundary[dof] = force[dof] - correction[dof];
+        }
+        (boundary, Vec::new())
+    }
+}
+
 impl BoundaryPart {
-    /// δ B S Bᵀ δ x on the local rows.
-    fn apply(&self, x: &[f64]) -> Vec<f64> {
+    /// δ B S Bᵀ δ x on the local rows, and the forces of the glue for some jumps.
+    fn apply(&self, x: &[f64], jumps: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let local: Vec<f64> = self
             .rows
             .index
@@ -284,22 +530,12 @@ impl BoundaryPart {
                 *value = 0.0;
             }
         }
-        // S v = (K w)_c with w = v on the contact dofs and K w = 0 inside
-        let mut force = vec![0.0; n];
-        self.stiffness.mul(&v, &mut force);
-        let mut inside = force.clone();
-        self.inner.solve(&mut inside);
-        let mut correction = vec![0.0; n];
-        self.stiffness.mul(&inside, &mut correction);
-        let mut boundary = vec![0.0; n];
-        for &dof in &self.contact {
-            boundary[dof] = force[dof] - correction[dof];
-        }
+        let (boundary, glue) = self.inner.boundary_forces(&v, jumps, &self.contact);
         let mut out = vec![0.0; local.len()];
         self.rows.matrix.mul(&boundary, &mut out);
         out.iter_mut()
             .zip(&self.weight)
             .for_each(|(value, w)| *value *= w);
-        out
+        (out, glue)
     }
 }

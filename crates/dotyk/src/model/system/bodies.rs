@@ -7,11 +7,13 @@ use crate::contact::Row;
 use crate::fem::{ALONG, BodySystem, History, assemble_after, largest_coefficient};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::SparseMatrix;
+use crate::mesh::Count;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::{Body, Model};
 use crate::model::system::condition::{Condition, row_ranges};
 use crate::model::system::memory;
 use crate::model::system::parts::rigid_systems;
+use crate::model::system::pieces::pieces;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -96,14 +98,21 @@ pub(crate) fn systems<const D: usize>(
     time: f64,
 ) -> Result<Vec<BodySystem<D>>, Error<D>> {
     memory::check_meshes(model)?;
-    let system = |(body, before, history): (&Body<D>, Option<BodySystem<D>>, History<D>)| {
-        let system = match before {
+    type Own<'b, const D: usize> = (
+        &'b Body<D>,
+        Option<BodySystem<D>>,
+        History<D>,
+        Option<Count>,
+    );
+    let system = |(body, before, history, pieces): Own<'_, D>| {
+        let is_whole = pieces.is_none();
+        let system = match before.filter(|before| before.is_whole || !is_whole) {
             Some(before) => BodySystem { history, ..before }.at_time(body, model.analysis, time),
-            None => assemble_after(body, history, model.analysis, time),
+            None => assemble_after((body, history), model.analysis, time, is_whole),
         };
         system.map_err(|source| Error::in_body(body, source))
     };
-    let bodies = (&model.bodies, before, histories).into_par_iter();
+    let bodies = (&model.bodies, before, histories, pieces(model)).into_par_iter();
     let mut systems = bodies.map(system).collect::<Result<Vec<_>, _>>()?;
     systems.extend(rigid_systems(model, time)?);
     Ok(systems)

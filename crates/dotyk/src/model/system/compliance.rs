@@ -9,9 +9,9 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
-use crate::dual::{Compliance, Part};
+use crate::dual::{Compliance, Glue, Part};
 use crate::linalg::{Mat, SparseMatrix, SparseVector, gram, solve_lower_in_place};
-use crate::model::system::applied::{BoundaryStiffness, CompliantBodies};
+use crate::model::system::applied::{BoundaryStiffness, CompliantBodies, GluedBodies};
 use crate::model::system::bodies::{BodyRows, LoadedBody};
 use crate::model::system::factor::{FactoredBody, Ordered};
 use rayon::prelude::*;
@@ -85,11 +85,13 @@ pub(crate) fn compliance<const D: usize>(
     dense: bool,
 ) -> (Compliance, Vec<Part>) {
     if !dense {
-        let apply = Box::new(CompliantBodies::new(m, bodies, factored));
-        let preconditioner = Box::new(BoundaryStiffness::new(m, bodies, factored, ordered));
+        let apply = CompliantBodies::new(m, bodies, factored);
+        let preconditioner = BoundaryStiffness::new(m, bodies, factored, ordered);
+        let glue = GluedBodies::new(&apply, &preconditioner);
         let operator = Compliance::Operator {
-            apply,
-            preconditioner,
+            apply: Box::new(apply),
+            preconditioner: Box::new(preconditioner),
+            glue: glue.map(|glue| Box::new(glue) as Box<dyn Glue>),
         };
         return (operator, Vec::new());
     }

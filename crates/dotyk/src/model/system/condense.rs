@@ -13,7 +13,7 @@
 
 use crate::dual::DualProblem;
 use crate::fem::{BodySystem, Constraints, Part};
-use crate::linalg::Cholesky;
+use crate::mesh::Count;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::{Event, Lap, Work};
 use crate::model::nouns::model::{Body, Method, Model};
@@ -28,11 +28,12 @@ use crate::model::system::condition::{Condition, initial_gaps};
 use crate::model::system::conditions::all_conditions;
 use crate::model::system::domains::{coupled, whole};
 use crate::model::system::drive::{complete, driven};
-use crate::model::system::factor::{FactoredBody, Ordered, factor, order};
+use crate::model::system::factor::{FactoredBody, Inverse, Ordered, factor, order};
 use crate::model::system::floating::Floating;
 use crate::model::system::joints::restore;
 use crate::model::system::key::{same_conditions, same_stiffness};
 use crate::model::system::memory::{self, Demand};
+use crate::model::system::pieces::{DIVISIBLE, of_moderate_size, pieces};
 use crate::model::system::state::{AllYielded, State};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -148,7 +149,7 @@ fn connect<const D: usize>(
 }
 
 /// Order and factor of a body.
-type Factored = (Arc<Ordered>, Arc<Cholesky>);
+type Factored = (Arc<Ordered>, Arc<Inverse>);
 
 /// Systems and factors of the bodies of a model in the condensed model `before`, by their names. In another run (`goes_on` false) bodies
 /// with nodes turned to contact forces are not reused.
@@ -287,27 +288,66 @@ struct OfBodies<'a, const D: usize> {
 
 impl<const D: usize> OfBodies<'_, D> {
     /// The order of a body: the previous one if it fits.
-    fn order(&self, model: &Model<D>, body: usize, dense: bool) -> Result<Arc<Ordered>, Error<D>> {
+    fn order(
+        &self,
+        model: &Model<D>,
+        body: usize,
+        (dense, pieces): (bool, Option<Count>),
+    ) -> Result<Arc<Ordered>, Error<D>> {
         let (system, rows) = (&self.systems[body], &self.rows[body]);
         let lasting = &self.lasting[body];
         match self.kept.get(body) {
-            Some(Some((ordered, _))) if ordered.serves(system, rows, lasting, dense) => {
+            Some(Some((ordered, _)))
+                if ordered.serves(system, rows, lasting, (dense, pieces.is_some())) =>
+            {
                 Ok(Arc::clone(ordered))
             }
-            _ => Ok(Arc::new(order(
-                model,
-                body,
-                system,
-                (rows, lasting),
-                dense,
-            )?)),
+            _ => {
+                let how = (dense, pieces);
+                Ok(Arc::new(order(model, body, system, (rows, lasting), how)?))
+            }
         }
     }
 }
 
-/// The orders of all bodies, and whether F is assembled. Problems that do not fit the memory are refused; an F that would pay to
-/// assemble, but does not fit, is applied.
+/// The orders of all bodies, and whether F is assembled. Where nothing else is asked for, bodies are divided that are too large or need
+/// too much memory as wholes.
+///
+/// Errors: those of the orders; too little memory.
 fn ordered<const D: usize>(
+    model: &Model<D>,
+    of: OfBodies<'_, D>,
+    conditions: &[Condition<D>],
+    dense_limit: usize,
+) -> Result<(Vec<Arc<Ordered>>, bool), Error<D>> {
+    let divided = || {
+        let pieces = of_moderate_size(model, DIVISIBLE)?;
+        Some(ordered_in(&pieces, model, of, conditions, dense_limit))
+    };
+    let as_asked = pieces(model);
+    // a body that had to be divided before
+    let of_need = |(kept, asked): (&Option<Factored>, &Option<Count>)| {
+        let divided = kept.as_ref().and_then(|(ordered, _)| ordered.divided());
+        divided.is_some() && asked.is_none()
+    };
+    if of.kept.iter().zip(&as_asked).any(of_need)
+        && let Some(again) = divided()
+    {
+        return again;
+    }
+    match ordered_in(&as_asked, model, of, conditions, dense_limit) {
+        Err(error @ (Error::TooLarge { .. } | Error::Memory { .. })) => match divided() {
+            Some(found) => found.map_err(|_| error),
+            None => Err(error),
+        },
+        found => found,
+    }
+}
+
+/// The same of bodies in so many pieces each. Problems that do not fit the memory are refused; an F that would pay to assemble, but does
+/// not fit, is applied.
+fn ordered_in<const D: usize>(
+    pieces: &[Option<Count>],
     model: &Model<D>,
     of: OfBodies<'_, D>,
     conditions: &[Condition<D>],
@@ -319,7 +359,8 @@ fn ordered<const D: usize>(
     let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
     let all = |dense| {
         let each = (0..of.systems.len()).into_par_iter();
-        let ordered = each.map(|body| of.order(model, body, dense));
+        let ordered =
+            each.map(|body| of.order(model, body, (dense, pieces.get(body).copied().flatten())));
         ordered.collect::<Result<Vec<_>, _>>()
     };
     let fits = |ordered: &[Arc<Ordered>], dense| {
@@ -329,6 +370,7 @@ fn ordered<const D: usize>(
             .map(|(part, ((system, rows), ordered))| Demand {
                 trailing: ordered.trailing.len(),
                 factor: ordered.stored(),
+                pieces: ordered.divided().map(|own| own.in_process()),
                 stiffness: system.stiffness.stored(),
                 dofs: system.load.len(),
                 rows: rows.index.len(),
@@ -336,7 +378,10 @@ fn ordered<const D: usize>(
             });
         memory::check(model, &demands.collect::<Vec<_>>(), dense, m)
     };
-    let assembled = is_assembled::<D>(of.rows, m, (dense_limit, rough, few_products));
+    let assembled = match pieces.iter().any(Option::is_some) {
+        true => Assembled::Never,
+        false => is_assembled::<D>(of.rows, m, (dense_limit, rough, few_products)),
+    };
     let dense = assembled == Assembled::Always;
     let orders = all(dense)?;
     if assembled == Assembled::IfCheaper && pays(m, &orders) {
@@ -350,7 +395,7 @@ fn ordered<const D: usize>(
 }
 
 /// Factors of bodies whose order is unchanged.
-fn reused(ordered: &[Arc<Ordered>], kept: Vec<Option<Factored>>) -> Vec<Option<Arc<Cholesky>>> {
+fn reused(ordered: &[Arc<Ordered>], kept: Vec<Option<Factored>>) -> Vec<Option<Arc<Inverse>>> {
     let mut kept = kept.into_iter();
     let each = ordered.iter().map(|ordered| {
         let (before, factor) = kept.next()??;
@@ -442,7 +487,7 @@ fn drive<const D: usize>(
 }
 
 /// Operations and memory of the factorisations that are still to be done.
-fn work_of(ordered: &[Arc<Ordered>], factors: &[Option<Arc<Cholesky>>]) -> Work {
+fn work_of(ordered: &[Arc<Ordered>], factors: &[Option<Arc<Inverse>>]) -> Work {
     let new = || {
         ordered
             .iter()
@@ -462,7 +507,7 @@ fn factor_bodies<const D: usize>(
     model: &Model<D>,
     bodies: &[LoadedBody<D>],
     ordered: &[Arc<Ordered>],
-    (factors, work): (Vec<Option<Arc<Cholesky>>>, &Work),
+    (factors, work): (Vec<Option<Arc<Inverse>>>, &Work),
 ) -> Result<Vec<FactoredBody>, Error<D>> {
     let each = (bodies, ordered, factors).into_par_iter().enumerate();
     each.map(|(index, (body, ordered, before))| {

@@ -3,36 +3,99 @@
 //! A floating body is held for the factorisation at r dofs away from its contacts, chosen by pivoting on R. Which ones
 //! does not change the answer: a different choice changes F by Gᵀ(..) + (..)G only, which Gλ = e and α absorb.
 
-use crate::fem::{BodySystem, FemError, show};
+use crate::fem::{self, BodySystem, FemError, show};
+use crate::host::{share, team};
 use crate::linalg::{
-    Cholesky, LinalgError, SymbolicCholesky, expand_to_dofs, fill_reducing_order,
-    fill_reducing_order_in_space,
+    Cholesky, Divided, Glued, LinalgError, Mat, SymbolicCholesky, analyse, ground, some_of_node,
 };
+use crate::mesh::Count;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::Work;
 use crate::model::nouns::model::Model;
+use crate::model::nouns::solution::Division;
 use crate::model::system::bodies::{BodyRows, LoadedBody};
 use crate::model::system::parts::part_name;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// A dof away from the contacts is grounded only if a mode, of largest displacement 1, moves it by more than this: else the pivot
-/// would cost three digits or more.
-const FAR_ENOUGH: f64 = 1e-3;
-
 /// Elimination order of one body, with its symbolic analysis.
 pub(crate) struct Ordered {
-    analysis: SymbolicCholesky,
+    analysis: Analysis,
     /// Contact dofs, the last ones of the order.
     pub trailing: Vec<usize>,
     /// Dofs that hold the free rigid modes.
     pub grounded: Vec<usize>,
+    /// Number of nodes with frames of their own.
+    turned: usize,
+}
+
+/// How a body is factored.
+enum Analysis {
+    Whole(SymbolicCholesky),
+    Pieces(Arc<Divided>),
+}
+
+/// K⁺ of a body.
+pub(crate) enum Inverse {
+    /// By one factor.
+    Whole(Cholesky),
+    /// By those of its pieces, which are glued in every solution.
+    Pieces(Box<Glued>),
+}
+
+impl Inverse {
+    /// u = K⁺f in place.
+    pub fn solve(&self, f: &mut [f64]) {
+        match self {
+            Self::Whole(factor) => factor.solve(f),
+            Self::Pieces(glued) => glued.solve(f),
+        }
+    }
+
+    /// u = K⁺f in place, of pieces to three digits: for corrections.
+    pub fn correct(&self, f: &mut [f64]) {
+        match self {
+            Self::Whole(factor) => factor.solve(f),
+            Self::Pieces(glued) => glued.correct(f),
+        }
+    }
+
+    /// U = K⁺F in place.
+    pub fn solve_many(&self, f: &mut Mat<f64>) {
+        match self {
+            Self::Whole(factor) => factor.solve_many(f),
+            Self::Pieces(glued) => {
+                (0..f.ncols()).for_each(|j| glued.solve_afresh(f.col_as_slice_mut(j)));
+            }
+        }
+    }
+
+    /// The pieces, of a body that is divided.
+    pub fn glued(&self) -> Option<&Glued> {
+        match self {
+            Self::Whole(_) => None,
+            Self::Pieces(glued) => Some(glued),
+        }
+    }
+
+    /// Solutions with every piece so far, of a body that is divided.
+    pub fn iterations(&self) -> usize {
+        self.glued().map_or(0, Glued::iterations)
+    }
+
+    /// The factor of its boundary stiffness, of a body with contact dofs ordered last.
+    pub fn trailing_factor(&self) -> Mat<f64> {
+        match self {
+            Self::Whole(factor) => factor.trailing_factor(),
+            Self::Pieces(_) => Mat::zeros(0, 0),
+        }
+    }
 }
 
 /// The factor of one body, and its displacement without contact.
 pub(crate) struct FactoredBody {
     /// Factor of K on the free dofs, grounded ones left out.
-    pub factor: Arc<Cholesky>,
+    pub factor: Arc<Inverse>,
     /// u_D + K⁺(f − K u_D), (D·n,), less the rigid motion that u_D contains.
     pub base: Vec<f64>,
 }
@@ -40,18 +103,32 @@ pub(crate) struct FactoredBody {
 impl Ordered {
     /// Operations of the factorisation.
     pub fn operations(&self) -> f64 {
-        self.analysis.operations()
+        match &self.analysis {
+            Analysis::Whole(analysis) => analysis.operations(),
+            Analysis::Pieces(divided) => divided.operations(),
+        }
     }
 
     /// Entries of the factor, of 8 bytes each.
     pub fn stored(&self) -> usize {
-        self.analysis.stored()
+        match &self.analysis {
+            Analysis::Whole(analysis) => analysis.stored(),
+            Analysis::Pieces(divided) => divided.stored(),
+        }
+    }
+
+    /// The pieces, of a body that is divided.
+    pub fn divided(&self) -> Option<&Divided> {
+        match &self.analysis {
+            Analysis::Whole(_) => None,
+            Analysis::Pieces(divided) => Some(divided),
+        }
     }
 }
 
 impl FactoredBody {
     /// Solves for the displacement without contact.
-    pub fn new<const D: usize>(body: &LoadedBody<D>, factor: Arc<Cholesky>) -> Self {
+    pub fn new<const D: usize>(body: &LoadedBody<D>, factor: Arc<Inverse>) -> Self {
         let mut base = body.reduced_load.clone();
         factor.solve(&mut base);
         base.iter_mut()
@@ -118,12 +195,16 @@ impl Ordered {
         system: &BodySystem<D>,
         rows: &BodyRows,
         lasting: &[usize],
-        dense: bool,
+        (dense, divided): (bool, bool),
     ) -> bool {
         let keep = kept_dofs(system, &self.grounded);
         let touched = Touched::by(system, rows, lasting);
         let apart = self.grounded.iter().all(|&dof| !touched.dofs[dof]);
-        apart && touched.trailing::<D>(&keep, dense) == self.trailing
+        let fits = match self.divided() {
+            Some(own) => divided && own.is_touched_at(&touched.dofs),
+            None => !divided && touched.trailing::<D>(&keep, dense) == self.trailing,
+        };
+        apart && fits && self.turned == system.frames.len()
     }
 }
 
@@ -134,100 +215,38 @@ pub(crate) fn order<const D: usize>(
     body: usize,
     system: &BodySystem<D>,
     (rows, lasting): (&BodyRows, &[usize]),
-    dense: bool,
+    (dense, pieces): (bool, Option<Count>),
 ) -> Result<Ordered, Error<D>> {
     let touched = Touched::by(system, rows, lasting);
     let keep = kept_dofs(system, &[]);
-    let grounded = grounded_dofs(system, &keep, &touched.nodes);
+    let away = |dof: usize| keep[dof] && !touched.nodes[dof / D];
+    let away: Vec<bool> = (0..keep.len()).map(away).collect();
+    let grounded = ground(&system.modes, &keep, &away);
     let keep = kept_dofs(system, &grounded);
-    let trailing = touched.trailing::<D>(&keep, dense);
-    let analysis =
-        analyse(system, &keep, &trailing).map_err(|source| singular(model, body, source))?;
+    let trailing = touched.trailing::<D>(&keep, dense && pieces.is_none());
+    let fail = |source| singular(model, body, source);
+    let analysis = match model.bodies.get(body).zip(pieces) {
+        Some((own, count)) => {
+            let of_cell = own.mesh.pieces(count);
+            let all = of_cell.iter().max().map_or(0, |last| *last as usize + 1);
+            let team = team();
+            let parts = share(&*team, all);
+            let parts = fem::pieces((own, system), model.analysis, &of_cell, parts);
+            let parts = parts.map_err(|source| Error::in_body(own, source))?;
+            let divided = Divided::new::<D>(keep, &touched.dofs, parts, team).map_err(fail)?;
+            Analysis::Pieces(Arc::new(divided))
+        }
+        None => {
+            let analysis = analyse::<D>(&system.graph, &system.stiffness, &keep, &trailing);
+            Analysis::Whole(analysis.map_err(fail)?)
+        }
+    };
     Ok(Ordered {
         analysis,
         trailing,
         grounded,
+        turned: system.frames.len(),
     })
-}
-
-/// Orders and analyses K on the dofs with `keep`, those of `trailing` at the end.
-///
-/// If only some dofs of a node are trailing, its other dofs are ordered among the inner nodes: their graph, and with it their
-/// elimination tree, is the same.
-///
-/// Errors: [`LinalgError::TooLarge`].
-pub(crate) fn analyse<const D: usize>(
-    system: &BodySystem<D>,
-    keep: &[bool],
-    trailing: &[usize],
-) -> Result<SymbolicCholesky, LinalgError> {
-    let mut inner = keep.to_vec();
-    trailing.iter().for_each(|&dof| inner[dof] = false);
-    let [nodes, inner_nodes] = [keep, &inner].map(some_of_node::<D>);
-    let last: Vec<usize> = (0..nodes.len())
-        .filter(|&node| nodes[node] && !inner_nodes[node])
-        .collect();
-    let order = match D {
-        3 => fill_reducing_order_in_space(&system.graph, &nodes, &last),
-        _ => fill_reducing_order(&system.graph, &nodes, &last),
-    };
-    let mut dofs = expand_to_dofs(&order, D, &inner);
-    dofs.extend_from_slice(trailing);
-    let analysis = SymbolicCholesky::new(&system.stiffness, &dofs, trailing.len())?;
-    Ok(if D == 3 { analysis.shared() } else { analysis })
-}
-
-/// Whether some dof of each node is marked.
-fn some_of_node<const D: usize>(marked: &[bool]) -> Vec<bool> {
-    let nodes = marked.chunks_exact(D);
-    nodes.map(|dofs| dofs.contains(&true)).collect()
-}
-
-/// Dofs that hold the free rigid modes for the factorisation: complete pivoting on R, away from the contacts if possible.
-fn grounded_dofs<const D: usize>(
-    system: &BodySystem<D>,
-    keep: &[bool],
-    contact_node: &[bool],
-) -> Vec<usize> {
-    let mut modes = system.modes.clone();
-    let mut grounded: Vec<usize> = Vec::new();
-    let mut open: Vec<usize> = (0..modes.len()).collect();
-    let candidates = |away: bool| {
-        (0..keep.len()).filter(move |&dof| keep[dof] && (!away || !contact_node[dof / D]))
-    };
-    while !open.is_empty() {
-        let best = |away: bool| {
-            let mut best = (0.0, 0, 0);
-            for (position, &mode) in open.iter().enumerate() {
-                for dof in candidates(away) {
-                    let size = modes[mode][dof].abs();
-                    if size > best.0 {
-                        best = (size, position, dof);
-                    }
-                }
-            }
-            best
-        };
-        let mut pivot = best(true);
-        if pivot.0 < FAR_ENOUGH {
-            pivot = best(false);
-        }
-        let (size, position, dof) = pivot;
-        if size == 0.0 {
-            break;
-        }
-        let mode = open.remove(position);
-        grounded.push(dof);
-        let row = modes[mode].clone();
-        for &other in &open {
-            let factor = modes[other][dof] / row[dof];
-            modes[other]
-                .iter_mut()
-                .zip(&row)
-                .for_each(|(value, r)| *value -= factor * r);
-        }
-    }
-    grounded
 }
 
 /// Factors a body; `work` counts the operations.
@@ -237,10 +256,13 @@ pub(crate) fn factor<const D: usize>(
     system: &BodySystem<D>,
     ordered: &Ordered,
     work: &Work,
-) -> Result<Cholesky, Error<D>> {
-    let factor = ordered.analysis.factor(&system.stiffness);
+) -> Result<Inverse, Error<D>> {
+    let factor = match &ordered.analysis {
+        Analysis::Whole(analysis) => analysis.factor(&system.stiffness).map(Inverse::Whole),
+        Analysis::Pieces(divided) => divided.glue().map(|glued| Inverse::Pieces(Box::new(glued))),
+    };
     let factor = factor.map_err(|source| singular(model, body, source))?;
-    let operations = ordered.analysis.operations() as u64;
+    let operations = ordered.operations() as u64;
     work.done.fetch_add(operations, Ordering::Relaxed);
     Ok(factor)
 }
@@ -273,5 +295,17 @@ fn singular<const D: usize>(model: &Model<D>, body: usize, source: LinalgError) 
             point,
             source,
         },
+    }
+}
+
+/// How bodies with these orders are divided; `factored` are all parts, of which they are the first.
+pub(crate) fn division(ordered: &[Arc<Ordered>], factored: &[FactoredBody]) -> Division {
+    let divided = || ordered.iter().filter_map(|ordered| ordered.divided());
+    let inverses = factored.iter().map(|factored| &factored.factor);
+    Division {
+        subdomains: ordered.len() - divided().count()
+            + divided().map(|own| own.pieces()).sum::<usize>(),
+        coarse: divided().map(|own| own.coarse()).sum(),
+        iterations: inverses.map(|inverse| inverse.iterations()).sum(),
     }
 }

@@ -35,8 +35,8 @@ pub(crate) enum Moves {
     First,
 }
 
-/// Pressures are on a line up to this part of the largest one.
-const ON_LINE: f64 = 1e-9;
+/// Pressures are on a line up to this part of the largest one: as accurately as forces are asked for. Where lines meet, either is right.
+const ON_LINE: f64 = 1e-8;
 
 impl Filling {
     /// The line of a state.

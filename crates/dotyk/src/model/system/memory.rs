@@ -3,6 +3,7 @@
 //! ```text
 //!   a body:    24|K| + 8|L| + 8(t² + tr + r²)     its stiffness as it is, permuted and analysed; its factor; L_c, X and F_b
 //!   applied:   24|K| + 16|L|                      with the factor of the preconditioner, which has not more entries
+//!   in pieces: 24|K| + 8|L|                      K and L those of all pieces of a process, and what is assembled of the whole
 //!   yielding:  600 per dof                        44 displacements of Anderson's method and around it, and four plastic strains of
 //!                                                 7 numbers at about as many points as there are dofs
 //!   all:       8 · 3m²                            F, and the system of an exact step with its factor
@@ -14,10 +15,12 @@
 //! |K| and |L| are stored entries, t contact dofs and r rows of a body, m all rows. Where F is assembled without its zeros,
 //! Σr² stands for m². Meshes and results are small beside this.
 
+use crate::host::team;
 use crate::mesh::{CellKind, Mesh};
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::parts::part_name;
+use crate::model::system::pieces::pieces;
 
 /// Sizes of a body that determine its memory.
 pub(crate) struct Demand {
@@ -25,6 +28,8 @@ pub(crate) struct Demand {
     pub trailing: usize,
     /// Entries of its factor.
     pub factor: usize,
+    /// Entries of the stiffnesses and factors of its pieces, of a body that is divided.
+    pub pieces: Option<[usize; 2]>,
     /// Entries of its stiffness.
     pub stiffness: usize,
     /// Its dofs.
@@ -43,9 +48,10 @@ impl Demand {
     fn bytes(&self, dense: bool) -> u64 {
         let [t, r] = [self.trailing, self.rows].map(|n| n as u64);
         let factor = 8 * self.factor as u64;
-        let own = match dense {
-            true => factor + 8 * (t * t + t * r + r * r),
-            false => 2 * factor,
+        let own = match (self.pieces, dense) {
+            (Some([stiffness, factors]), _) => 24 * stiffness as u64 + 8 * factors as u64,
+            (None, true) => factor + 8 * (t * t + t * r + r * r),
+            (None, false) => 2 * factor,
         };
         let yielding = if self.yields { YIELDING } else { 0 };
         24 * self.stiffness as u64 + own + yielding * self.dofs as u64
@@ -89,7 +95,12 @@ fn of_mesh<const D: usize>(mesh: &Mesh<D>) -> u64 {
 
 /// Errors: [`Error::Memory`] if the meshes alone show that their bodies need more than the model may take.
 pub(crate) fn check_meshes<const D: usize>(model: &Model<D>) -> Result<(), Error<D>> {
-    let own = model.bodies.iter().map(|body| of_mesh(&body.mesh));
+    let processes = team().size() as u64;
+    let each = model.bodies.iter().zip(pieces(model));
+    let own = each.map(|(body, pieces)| match pieces {
+        Some(_) => of_mesh(&body.mesh) / processes,
+        None => of_mesh(&body.mesh),
+    });
     let own: Vec<u64> = own.collect();
     let dofs = |body: usize| D * model.bodies[body].mesh.points().len();
     within(model, &own, 0, dofs)

@@ -32,6 +32,7 @@ pub mod links;
 pub mod member;
 pub mod memory;
 pub mod parts;
+pub mod pieces;
 pub mod reach;
 pub mod recover;
 pub mod shared;

@@ -104,7 +104,7 @@ pub(crate) fn balanced_state<const D: usize>(
         }
         refinements += 1;
         let mut correction = residual;
-        factored.factor.solve(&mut correction);
+        factored.factor.correct(&mut correction);
         elastic
             .iter_mut()
             .zip(&correction)
