@@ -23,7 +23,7 @@ const ENDING: &str = ".unfinished";
 const SUMMARY: &str = "summary.json";
 
 /// Endings of the files in it.
-const ENDINGS: [&str; 6] = ["vtu", "vtm", "pvd", "csv", "json", "bin"];
+const ENDINGS: [&str; 7] = ["vtu", "pvtu", "vtm", "pvd", "csv", "json", "bin"];
 
 /// The folder of the finished steps of a run.
 pub struct Kept {
