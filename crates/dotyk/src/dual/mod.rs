@@ -77,6 +77,8 @@ pub trait Glue: Send + Sync {
     fn modes(&self) -> usize;
     /// BR: of every contact row (m) its motions by those of pieces.
     fn motions(&self) -> &[Vec<(usize, f64)>];
+    /// Whether some dof yields to a force on a contact row, (m,).
+    fn yields(&self) -> &[bool];
     /// Entries of RᵀDJR (N, N), of which those above the diagonal may be missing.
     fn network(&self) -> Vec<(usize, usize, f64)>;
     /// work = Rᵀt, (N,).

@@ -253,6 +253,28 @@ impl<'a> Search<'a> {
         blocks.map(|block| State::sticking(block, true)).collect()
     }
 
+    /// These states, open where the bodies would not overlap without contact forces, at the rigid motions of the last step; `None`
+    /// where what is left cannot balance the load.
+    ///
+    /// A side that is closed far beyond its contact opens from its edge only, by a few nodes in each step.
+    pub fn overlapping(&self, states: &[State]) -> Option<Vec<State>> {
+        let setup = self.setup;
+        let mut overlap = setup.shift.clone();
+        let balance = &setup.balance;
+        balance.add_transposed(1.0, &self.point.alpha, &mut overlap);
+        let of_block = |(state, (block, range)): (&State, (&_, Range<usize>))| {
+            let apart = state.closed && overlap[range.start] <= 0.0;
+            match apart {
+                true => State::sticking(block, false),
+                false => state.clone(),
+            }
+        };
+        let both = states.iter().zip(setup.admissible.iter());
+        let states: Vec<State> = both.map(of_block).collect();
+        let system = System::of(setup, &states, None, self.softness());
+        system.carries().then_some(states)
+    }
+
     /// Takes over the forces and states of a coarser problem.
     pub fn begin(&mut self, start: levels::Start) -> Vec<State> {
         self.point.lambda = start.lambda;
@@ -657,6 +679,38 @@ mod tests {
         start(1e-12, &mut search);
         // 3 + 2.4
         assert_eq!((search.accuracy, search.iterations()), (1e-12, 6));
+    }
+
+    #[test]
+    fn steps_begin_where_bodies_overlap_without_contact_forces() {
+        // two contacts of a body that floats, moved by its last amplitude, and a tie
+        let blocks = vec![
+            Block::Unilateral,
+            Block::Unilateral,
+            Block::Free { size: 1 },
+        ];
+        let compliance = Compliance::Dense(definite(3));
+        let problem = of(
+            compliance,
+            &[-1.0, -3.0, -1.0],
+            blocks,
+            (&[vec![1.0, 1.0, 0.0]], &[2.0]),
+        );
+        let setup = Setup::new(&problem).unwrap();
+        let mut search = Search::new((1e-9, 7), &setup);
+        let states = search.all_closed();
+        let closed = |states: Vec<State>| states.iter().map(|s| s.closed).collect::<Vec<_>>();
+        for (amplitude, expected) in [
+            (4.0, Some(vec![true, true, true])),
+            (2.0, Some(vec![true, false, true])),
+            // nothing would bear the load
+            (0.0, None),
+        ] {
+            setup
+                .balance
+                .from_original(&[amplitude], &mut search.point.alpha);
+            assert_eq!(search.overlapping(&states).map(closed), expected);
+        }
     }
 
     #[test]

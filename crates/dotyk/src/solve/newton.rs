@@ -6,7 +6,7 @@
 //!
 //! * The start is far, so that the edge of a contact moves by a few nodes in each step and the steps grow with the mesh.
 //!   Where there are many contacts, a problem with fewer of them is solved first, in which neighbours act as one
-//!   (`levels.rs`). Its answer is right to a node.
+//!   (`levels.rs`). Its answer is right to a node. Where that costs more than steps, those begin that overlap without contact forces.
 //! * The states run in a circle. *Interior points* (`interior.rs`) guess no states; near the answer, and where F is not assembled,
 //!   *proximal steps* (`proximal.rs`) come first: with given bounds of friction the solution is the minimum of a convex energy,
 //!   which they lower each time, so that no state can come back. Where bounds follow from normal forces, as with Coulomb's law,
@@ -17,7 +17,7 @@
 //! As described in Hintermüller, Ito & Kunisch (2003) for the exact steps; Rockafellar (1976) for the proximal point and
 //! augmented Lagrangian methods, and the semismooth Newton methods on them since.
 
-use crate::dual::Multipliers;
+use crate::dual::{Compliance, Multipliers};
 use crate::solve::exact::{COARSER, EXACT_STEPS, Ended, INTERIOR, NEAR, Patience, STALLED, Search};
 use crate::solve::interior::{self, interior};
 use crate::solve::proximal::proximal_steps;
@@ -30,6 +30,9 @@ const ONE: Patience = Patience::new(1, 1.0);
 
 /// Steps from all contacts closed where there is no coarser problem.
 const PLAIN: Patience = Patience::new(7, f64::INFINITY);
+
+/// The same where a rescue costs as much.
+const LONG: Patience = Patience::new(20, f64::INFINITY);
 
 /// The same where interior points can follow. Steps that converge change fewer states each time or reduce the residual, once the
 /// first ones have found most states: from the first step on a coarser problem, whose answer is only a guess.
@@ -187,6 +190,7 @@ fn from_anywhere(
 ) -> Ended {
     let setup = search.setup;
     let inside = interior::serves(setup);
+    let mut plain = if inside { plain } else { &PLAIN };
     let mut states = search.all_closed();
     search.tried.push(EXACT_STEPS);
     if setup.admissible.blocks().len() >= FEW_BLOCKS {
@@ -212,8 +216,11 @@ fn from_anywhere(
             search.tried.push(EXACT_STEPS);
             return from_near(search, states, (&FROM_COARSE, CLOSE), observe);
         }
+        if matches!(setup.problem.compliance, Compliance::Operator { .. }) {
+            states = search.overlapping(&states).unwrap_or(states);
+            plain = &LONG;
+        }
     }
-    let plain = if inside { plain } else { &PLAIN };
     match search.exact(states, plain, &|_, _| {}, observe) {
         Ended::Stuck(states) => from_nothing(search, states, rescues, observe),
         ended => ended,
@@ -235,7 +242,7 @@ fn from_nothing(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::{Block, Compliance, DualProblem};
+    use crate::dual::{Block, DualProblem};
     use crate::linalg::Mat;
     use crate::solve::tests::{apart, applied, by_trial, circle, definite, of, silent};
     use crate::solve::{ContactSolver, Iterate};

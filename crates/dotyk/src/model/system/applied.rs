@@ -1,15 +1,16 @@
 //! F as products only, each one solve with every body, and a preconditioner that needs no F.
 //!
 //! ```text
-//!   F = Σ B_b K_b⁺ B_bᵀ,        M = Σ δ_b² B_b S_b B_bᵀ ≈ F⁻¹ on the balanced forces
+//!   F = Σ B_b K_b⁺ B_bᵀ,        M = Σ δ_b² E_b S_b E_bᵀ ≈ F⁻¹ on the balanced forces
 //! ```
 
 use crate::dual::Glue;
 use crate::fem::BodySystem;
 use crate::linalg::dense::{dot, least_squares, norm};
-use crate::linalg::{Cholesky, Glued, LinearOperator, Mat, SymmetricMatrix, analyse};
+use crate::linalg::{Cholesky, Glued, LinearOperator, Mat, SparseMatrix, SymmetricMatrix, analyse};
 use crate::model::system::bodies::{BodyRows, LoadedBody};
 use crate::model::system::factor::{FactoredBody, Inverse, Ordered};
+use crate::model::system::spread::spread;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -153,6 +154,10 @@ impl Glue for GluedBodies {
         &self.motions
     }
 
+    fn yields(&self) -> &[bool] {
+        &self.boundary.yields
+    }
+
     fn network(&self) -> Vec<(usize, usize, f64)> {
         let of_bodies = self.divided().flat_map(|(glued, _, [_, modes])| {
             let matrix = glued.whole().network();
@@ -243,10 +248,10 @@ fn scatter<'a>(rows: impl Iterator<Item = &'a BodyRows>, parts: &[Vec<f64>], y: 
     }
 }
 
-/// The scaled Dirichlet preconditioner M = Σ δ_b² B S_b Bᵀ, an approximation of F⁻¹ on the balanced forces.
+/// The scaled Dirichlet preconditioner M = Σ δ_b² E S_b Eᵀ, an approximation of F⁻¹ on the balanced forces.
 ///
-/// S_b is the boundary stiffness (contact dofs free, all else condensed); δ_b is the body's share of the compliance, so
-/// that a row between two bodies weighs them by their softness. A row with one body has δ = 1.
+/// S_b is the boundary stiffness (contact dofs free, all else condensed), E spreads what rows measure over their dofs (`spread.rs`); δ_b
+/// is the body's share of the compliance, so that a row between two bodies weighs them by their softness. A row with one body has δ = 1.
 ///
 /// For forces of one wave length let r be the ratio of the stiffnesses of two bodies, so that F⁻¹ = S₁/(1 + r). With the shares
 /// δ₁ = 1/(1 + s), δ₂ = s/(1 + s), M = F⁻¹ where r = s, and M = (1 + s/(1 + s)² · (r/s + s/r − 2)) F⁻¹ elsewhere. A thin plate on a
@@ -255,12 +260,13 @@ fn scatter<'a>(rows: impl Iterator<Item = &'a BodyRows>, parts: &[Vec<f64>], y: 
 /// waves, so that the error is the same at both ends.
 ///
 /// A row that is spread over many nodes of a body measures little of displacements that alternate from node to node. Its softness for
-/// these, with the squares of its entries, is its share, so that the side whose nodes bear the forces has most of it; where all nodes
-/// move alike it measures the sum of the entries.
+/// these, with the squares of its entries, is its share, so that the side whose nodes bear the forces has most of it.
 /// Source: as described for FETI methods by Z. Dostál and others (scaled Dirichlet preconditioner).
 #[derive(Clone)]
 pub(crate) struct BoundaryStiffness {
     len: usize,
+    /// Whether some dof yields to a force on a row, (m,).
+    yields: Vec<bool>,
     bodies: Vec<Arc<BoundaryPart>>,
 }
 
@@ -269,8 +275,10 @@ struct BoundaryPart {
     inner: Inner,
     contact: Vec<usize>,
     held: Vec<bool>,
-    /// δ_b/|B_row|² of each local row, of sizes that are summed over nodes.
+    /// δ_b of each local row.
     weight: Vec<f64>,
+    /// E_b.
+    spread: SparseMatrix,
 }
 
 /// What condenses a body onto its contact dofs.
@@ -300,31 +308,18 @@ impl BoundaryStiffness {
             }
         }
         for part in &mut parts {
-            for (local, &row) in part.rows.index.iter().enumerate() {
-                let size = extent::<D>(part.rows.matrix.row(local)).powi(2);
+            for (weight, &row) in part.weight.iter_mut().zip(&part.rows.index) {
                 if total[row] > 0.0 {
-                    part.weight[local] /= total[row] * size;
+                    *weight /= total[row];
                 }
             }
         }
-        let bodies = parts.into_iter().map(Arc::new).collect();
-        Self { len, bodies }
-    }
-}
-
-/// The sum over all nodes of the sizes of their entries in a row: the displacement that it measures where all nodes move alike.
-///
-/// A row that is spread over many nodes answers forces from node to node with little else than zero: its size for long waves counts.
-fn extent<const D: usize>(row: impl Iterator<Item = (usize, f64)>) -> f64 {
-    let (mut whole, mut node, mut own) = (0.0, usize::MAX, 0.0f64);
-    for (dof, value) in row {
-        if dof / D != node {
-            whole += own.sqrt();
-            (node, own) = (dof / D, 0.0);
+        Self {
+            len,
+            yields: total.iter().map(|softness| *softness > 0.0).collect(),
+            bodies: parts.into_iter().map(Arc::new).collect(),
         }
-        own += value * value;
     }
-    whole + own.sqrt()
 }
 
 /// `None` where no row touches the body, and for a rigid part, which has no compliance.
@@ -361,16 +356,16 @@ fn boundary_part<const D: usize>(
     };
     let softness = (short * long).sqrt();
     let of_row = |local: usize| {
-        let parts = rows.matrix.row(local).map(|(_, value)| value * value);
-        softness * parts.sum::<f64>()
+        let free = rows.matrix.row(local).filter(|(dof, _)| !system.held[*dof]);
+        softness * free.map(|(_, value)| value * value).sum::<f64>()
     };
-    let weight = (0..rows.index.len()).map(of_row).collect();
     Some(BoundaryPart {
+        weight: (0..rows.index.len()).map(of_row).collect(),
+        spread: spread(system, &rows.matrix),
         rows,
         inner,
         contact,
         held: system.held.clone(),
-        weight,
     })
 }
 
@@ -513,7 +508,7 @@ impl Inner {
 }
 
 impl BoundaryPart {
-    /// δ B S Bᵀ δ x on the local rows, and the forces of the glue for some jumps.
+    /// δ E S Eᵀ δ x on the local rows, and the forces of the glue for some jumps.
     fn apply(&self, x: &[f64], jumps: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let local: Vec<f64> = self
             .rows
@@ -524,7 +519,7 @@ impl BoundaryPart {
             .collect();
         let n = self.held.len();
         let mut v = vec![0.0; n];
-        self.rows.matrix.mul_transpose_add(&local, &mut v);
+        self.spread.mul_transpose_add(&local, &mut v);
         for (value, &held) in v.iter_mut().zip(&self.held) {
             if held {
                 *value = 0.0;
@@ -532,7 +527,7 @@ impl BoundaryPart {
         }
         let (boundary, glue) = self.inner.boundary_forces(&v, jumps, &self.contact);
         let mut out = vec![0.0; local.len()];
-        self.rows.matrix.mul(&boundary, &mut out);
+        self.spread.mul(&boundary, &mut out);
         out.iter_mut()
             .zip(&self.weight)
             .for_each(|(value, w)| *value *= w);

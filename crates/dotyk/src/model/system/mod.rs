@@ -36,4 +36,5 @@ pub mod pieces;
 pub mod reach;
 pub mod recover;
 pub mod shared;
+pub mod spread;
 pub mod state;

@@ -33,19 +33,28 @@ const ON_FORCES: f64 = 2.0;
 /// Gaps below this part of their tolerance are rounding, whatever the forces.
 const TOLERANCE_ROUNDING: f64 = 1e-3;
 
+/// So are those below this part of the displacements that they are differences of.
+const ROUNDING: f64 = 256.0 * f64::EPSILON;
+
 /// When iterations within a step end.
 struct Goal {
     /// Size of the gaps.
     gap: f64,
     /// Error of the forces, relative.
     force: f64,
+    /// Size of gaps that are rounding.
+    rounding: f64,
 }
 
 impl Goal {
-    fn new(accuracy: f64, reference: f64, residual: &[f64]) -> Self {
+    /// From the size of the right side, the residual of the start, and its displacements along the conditions.
+    fn new(accuracy: f64, reference: f64, residual: &[f64], moved: f64) -> Self {
+        let gap = accuracy * reference.max(FROM_START * norm(residual));
+        let rounding = ROUNDING * moved;
         Self {
-            gap: accuracy * reference.max(FROM_START * norm(residual)),
+            gap: gap.max(rounding),
             force: ON_FORCES * accuracy,
+            rounding: rounding.max(TOLERANCE_ROUNDING * gap),
         }
     }
 
@@ -54,7 +63,7 @@ impl Goal {
     /// nonmortar side alone, of which the preconditioner counts the square of its share, at least 1/4 of bodies as stiff.
     fn is_met(&self, gap: f64, change: &[f64], forces: &[f64]) -> bool {
         let settled = norm(change) <= self.force * norm(forces);
-        gap <= self.gap && (settled || gap <= TOLERANCE_ROUNDING * self.gap)
+        gap <= self.gap && (settled || gap <= self.rounding)
     }
 }
 
@@ -198,6 +207,13 @@ impl<'s, 'a> Space<'s, 'a> {
         let (mut residual, _) = self.system.residual(point, x);
         residual.extend(self.jumps.iter().map(|jump| -self.scale * jump));
         residual
+    }
+
+    /// Size of the displacements of a point along the conditions.
+    fn moved(&self, point: &Forces) -> f64 {
+        let own = self.system.unknowns.iter();
+        let own = own.map(|u| along(&u.row, &point.product));
+        norm(&own.collect::<Vec<f64>>())
     }
 
     /// Size of the right side on the balanced forces.
@@ -352,7 +368,7 @@ impl System<'_> {
         let mut residual = space.residual(&point, &x);
         let reference = space.reference();
         rigid.place(&mut residual);
-        let goal = Goal::new(accuracy, reference, &residual);
+        let goal = Goal::new(accuracy, reference, &residual, space.moved(&point));
         let (mut z, mut out) = (vec![0.0; space.len()], vec![0.0; space.len()]);
         space.precondition(&residual, &mut z);
         rigid.clear(&mut z);
@@ -402,7 +418,7 @@ impl System<'_> {
         let mut residual = space.residual(&point, &x);
         let reference = space.reference();
         rigid.place(&mut residual);
-        let goal = Goal::new(accuracy, reference, &residual);
+        let goal = Goal::new(accuracy, reference, &residual, space.moved(&point));
         self.krylov(space, (residual, &mut x), &goal, [&mut forces, &mut rigid])?;
         forces.restore(&target, &mut x);
         let mut point = space.point(&x);
@@ -495,5 +511,22 @@ impl System<'_> {
             done.for_each(|(r, done)| *r -= done);
         }
         Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gaps_that_are_rounding_of_displacements_meet_every_goal() {
+        // forces that still change by their own size
+        let met = |goal: &Goal, gap: f64| goal.is_met(gap, &[1.0], &[1.0]);
+        let goal = Goal::new(1e-12, 0.0, &[1e-9], 1.0);
+        assert!(met(&goal, 5e-14) && !met(&goal, 1e-13));
+        let goal = Goal::new(1e-12, 2.0, &[1e-9], 1.0);
+        assert!(met(&goal, 5e-14) && !met(&goal, 1e-12));
+        // forces that do not
+        assert!(goal.is_met(1e-12, &[1e-12], &[1.0]) && !goal.is_met(3e-12, &[0.0], &[1.0]));
     }
 }

@@ -25,6 +25,10 @@ use crate::linalg::{Cholesky, SparseVector, SymmetricMatrix, factor_scattered};
 use crate::solve::states::Unknown;
 use crate::solve::system::Side;
 
+/// How much stiffer than all others a condition is that nothing yields to, as where supports hold what it joins: no preconditioner
+/// sees what it lacks, so that the rigid motions have to meet it.
+const RIGID: f64 = 1e6;
+
 /// The network of the conditions of a linear problem, for one side of its unknowns: their forces, or the rows of their conditions.
 pub(super) struct Network<'s> {
     glue: &'s dyn Glue,
@@ -62,19 +66,23 @@ impl<'s> Network<'s> {
             row.entries()
                 .for_each(|(a, motion)| motions[a].push((pieces + one, motion)));
         }
+        let yields = glue.yields();
         let soft = unknowns.iter().map(|unknown| {
-            let own = side.of(unknown).iter();
+            let own = side.of(unknown).iter().filter(|(i, _)| yields[*i]);
             let own: f64 = own.map(|&(i, weight)| weight * weight * softness[i]).sum();
             own + unknown.softness
         });
         let soft: Vec<f64> = soft.collect();
-        // conditions that nothing yields to are as stiff as the others
-        let known = soft.iter().filter(|soft| **soft > 0.0);
-        let typical = known.clone().sum::<f64>() / known.count().max(1) as f64;
-        let typical = if typical > 0.0 { typical } else { 1.0 };
+        let least = soft.iter().filter(|soft| **soft > 0.0);
+        let least = least.fold(f64::INFINITY, |s: f64, soft| s.min(*soft));
+        let rigid = if least.is_finite() {
+            RIGID / least
+        } else {
+            1.0
+        };
         let stiff = soft
             .iter()
-            .map(|&soft| 1.0 / if soft > 0.0 { soft } else { typical });
+            .map(|&soft| if soft > 0.0 { 1.0 / soft } else { rigid });
         let stiff: Vec<f64> = stiff.collect();
         let mut entries = glue.network();
         for (motions, stiff) in motions.iter().zip(&stiff) {
@@ -216,6 +224,9 @@ mod tests {
         fn motions(&self) -> &[Vec<(usize, f64)>] {
             &self.motions
         }
+        fn yields(&self) -> &[bool] {
+            &[true; 3]
+        }
         fn network(&self) -> Vec<(usize, usize, f64)> {
             let mut entries = Vec::new();
             for j in 0..3 {
@@ -305,6 +316,16 @@ mod tests {
             let apart = x.iter().zip(&before.0).chain(t.iter().zip(&before.1));
             apart.for_each(|(a, b)| assert!((a - b).abs() < 1e-12));
         }
+    }
+
+    #[test]
+    fn conditions_that_nothing_yields_to_are_met_by_rigid_motions() {
+        let (line, unknowns) = (line(), unknowns());
+        let network = network(&line, &unknowns, Side::Rows);
+        // the second one has no softness, and the body moves along it
+        let (mut r, mut apart) = ([0.7, -0.2, 0.9], jumps(&[0.2, 0.6, -1.0, 0.3]));
+        network.place(&mut r, &mut apart);
+        assert!(r[1].abs() < 1e-5 && r[0].abs() > 0.1, "{r:?}");
     }
 
     #[test]
