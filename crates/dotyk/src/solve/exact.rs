@@ -14,7 +14,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use crate::dual::{Compliance, Multipliers};
+use crate::dual::{Block, Compliance, Multipliers};
 use crate::linalg::signed::least_norm_within;
 use crate::solve::hold::held;
 use crate::solve::iteration::tell;
@@ -262,8 +262,8 @@ impl<'a> Search<'a> {
         let mut overlap = setup.shift.clone();
         let balance = &setup.balance;
         balance.add_transposed(1.0, &self.point.alpha, &mut overlap);
-        let of_block = |(state, (block, range)): (&State, (&_, Range<usize>))| {
-            let apart = state.closed && overlap[range.start] <= 0.0;
+        let of_block = |(state, (block, range)): (&State, (&Block, Range<usize>))| {
+            let apart = state.closed && block.is_normal() && overlap[range.start] <= 0.0;
             match apart {
                 true => State::sticking(block, false),
                 false => state.clone(),
@@ -683,11 +683,11 @@ mod tests {
 
     #[test]
     fn steps_begin_where_bodies_overlap_without_contact_forces() {
-        // two contacts of a body that floats, moved by its last amplitude, and a tie
+        // two contacts of a body that floats, moved by its last amplitude, and a shear that slips
         let blocks = vec![
             Block::Unilateral,
             Block::Unilateral,
-            Block::Free { size: 1 },
+            Block::Interval { bound: 0.5 },
         ];
         let compliance = Compliance::Dense(definite(3));
         let problem = of(
@@ -698,8 +698,16 @@ mod tests {
         );
         let setup = Setup::new(&problem).unwrap();
         let mut search = Search::new((1e-9, 7), &setup);
-        let states = search.all_closed();
-        let closed = |states: Vec<State>| states.iter().map(|s| s.closed).collect::<Vec<_>>();
+        let mut states = search.all_closed();
+        states[2].shear = Shear::Slip {
+            direction: vec![1.0],
+            share: 0.5,
+        };
+        let slip = states[2].clone();
+        let closed = |states: Vec<State>| {
+            assert_eq!(states[2], slip);
+            states.iter().map(|s| s.closed).collect::<Vec<_>>()
+        };
         for (amplitude, expected) in [
             (4.0, Some(vec![true, true, true])),
             (2.0, Some(vec![true, false, true])),
@@ -709,7 +717,7 @@ mod tests {
             setup
                 .balance
                 .from_original(&[amplitude], &mut search.point.alpha);
-            assert_eq!(search.overlapping(&states).map(closed), expected);
+            assert_eq!(search.overlapping(&states).map(&closed), expected);
         }
     }
 

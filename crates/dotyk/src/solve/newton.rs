@@ -6,7 +6,7 @@
 //!
 //! * The start is far, so that the edge of a contact moves by a few nodes in each step and the steps grow with the mesh.
 //!   Where there are many contacts, a problem with fewer of them is solved first, in which neighbours act as one
-//!   (`levels.rs`). Its answer is right to a node. Where that costs more than steps, those begin that overlap without contact forces.
+//!   (`levels.rs`). Its answer is right to a node. Where there is none and F is applied, those are closed at first that would overlap without contact forces.
 //! * The states run in a circle. *Interior points* (`interior.rs`) guess no states; near the answer, and where F is not assembled,
 //!   *proximal steps* (`proximal.rs`) come first: with given bounds of friction the solution is the minimum of a convex energy,
 //!   which they lower each time, so that no state can come back. Where bounds follow from normal forces, as with Coulomb's law,
@@ -217,8 +217,18 @@ fn from_anywhere(
             return from_near(search, states, (&FROM_COARSE, CLOSE), observe);
         }
         if matches!(setup.problem.compliance, Compliance::Operator { .. }) {
-            states = search.overlapping(&states).unwrap_or(states);
             plain = &LONG;
+            if let Some(fewer) = search.overlapping(&states) {
+                let before = search.steps;
+                match search.exact(fewer, plain, &|_, _| {}, observe) {
+                    // these states have no solution
+                    Ended::Stuck(_) if search.steps == before => {}
+                    Ended::Stuck(states) => {
+                        return from_nothing(search, states, rescues, observe);
+                    }
+                    ended => return ended,
+                }
+            }
         }
     }
     match search.exact(states, plain, &|_, _| {}, observe) {

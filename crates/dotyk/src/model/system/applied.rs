@@ -251,7 +251,7 @@ fn scatter<'a>(rows: impl Iterator<Item = &'a BodyRows>, parts: &[Vec<f64>], y: 
 /// The scaled Dirichlet preconditioner M = Σ δ_b² E S_b Eᵀ, an approximation of F⁻¹ on the balanced forces.
 ///
 /// S_b is the boundary stiffness (contact dofs free, all else condensed), E spreads what rows measure over their dofs (`spread.rs`); δ_b
-/// is the body's share of the compliance, so that a row between two bodies weighs them by their softness. A row with one body has δ = 1.
+/// is the body's share of the compliance, so that a row between two bodies weighs them by their softness. A row with one body has δ = 1, one that nothing yields to none.
 ///
 /// For forces of one wave length let r be the ratio of the stiffnesses of two bodies, so that F⁻¹ = S₁/(1 + r). With the shares
 /// δ₁ = 1/(1 + s), δ₂ = s/(1 + s), M = F⁻¹ where r = s, and M = (1 + s/(1 + s)² · (r/s + s/r − 2)) F⁻¹ elsewhere. A thin plate on a

@@ -1,6 +1,6 @@
 //! Displacements that conditions ask for, spread over the dofs that the conditions meet.
 //!
-//! A row i of B has at node a the entries bᵢₐ, and measures where all nodes move alike by its direction sᵢ = Σₐ|bᵢₐ| times that motion.
+//! A row i of B has at node a the entries bᵢₐ. Where these have one direction, it measures of a motion of all nodes sᵢ = Σₐ|bᵢₐ| times that.
 //! Many displacements v have the values r of all rows. A rough one, such as Bᵀr, moves few of the nodes between those that bear
 //! forces, with an energy that the right one has not; with its stiffness in a preconditioner the number of iterations grows as cells become
 //! smaller and where functions of second degree meet multipliers of first, by which nodes in the middle of edges have no row of their own.
@@ -10,12 +10,16 @@
 //!   v = Eᵀr,     vₐ = Σᵢ wᵢₐ² nᵢₐ rᵢ/sᵢ / largest eigenvalue of Σᵢ wᵢₐ² nᵢₐ nᵢₐᵀ,     wᵢₐ = |bᵢₐ|/sᵢ,     nᵢₐ = ±bᵢₐ/|bᵢₐ|
 //! ```
 //!
-//! where nᵢₐ points along Σₐbᵢₐ: dual functions are negative on a part of a side. Rows of one node with normals apart are rows of one
-//! sum: three of them give each its own component. Where each node has one row, BEᵀ = 1.
+//! where nᵢₐ points along Σₐbᵢₐ, as dual functions are negative on a part of a side, unless this sum vanishes: rotations and differences
+//! have both signs. Rows of one node with normals apart are rows of one sum: three of them give each its own component. Where each node
+//! has one row, and none a negative part, BEᵀ = 1.
 
 use crate::fem::{BodySystem, principal};
 use crate::geometry::{Point, add_scaled, dot, norm};
 use crate::linalg::SparseMatrix;
+
+/// Sums below this part of the sizes of their terms are those of differences, and have no direction.
+const DIFFERENCE: f64 = 1e-6;
 
 /// The part of a row at a node, in the frame of the node.
 struct Part<const D: usize> {
@@ -75,8 +79,15 @@ fn parts<const D: usize>(
         .iter()
         .fold([0.0; D], |sum, part| add_scaled(sum, 1.0, global(part)));
     let size: f64 = parts.iter().map(|part| norm(part.share)).sum();
+    if size == 0.0 {
+        return Vec::new();
+    }
+    let one_sided = norm(mean) > DIFFERENCE * size;
     for part in &mut parts {
-        let sign = 1.0f64.copysign(dot(global(part), mean));
+        let sign = match one_sided && dot(global(part), mean) < 0.0 {
+            true => -1.0,
+            false => 1.0,
+        };
         part.share = part.share.map(|b| sign * b / size);
         part.size = size;
     }
@@ -121,8 +132,7 @@ mod tests {
         let rows = SparseMatrix::from_triplets(3, 4, &entries);
         let spread = spread(&body(2, AS_THEY_ARE), &rows);
         let asked = [0.2, -0.7, 1.3];
-        // rows of one node share it as their squares do
-        for (row, r) in asked.iter().enumerate().skip(1) {
+        for (row, r) in asked.iter().enumerate() {
             let mut one = [0.0; 3];
             one[row] = *r;
             let mut measured = [0.0; 3];
@@ -163,5 +173,31 @@ mod tests {
         for (node, expected) in [corners, 0.5, 1.0 - corners].iter().enumerate() {
             assert!((along(node) - expected).abs() < 1e-12, "{v:?}");
         }
+    }
+
+    #[test]
+    fn differences_are_not_a_motion_of_all_nodes() {
+        // the rotation of four nodes about their middle, and the jump between two
+        let turn = [-0.6, 0.8, -0.8, -0.6, 0.6, -0.8, 0.8, 0.6];
+        let jump = [-0.6, -0.8, 0.6, 0.8];
+        for values in [&turn[..], &jump] {
+            let entries = values
+                .iter()
+                .enumerate()
+                .map(|(dof, value)| (0, dof, *value));
+            let entries: Vec<_> = entries.collect();
+            let rows = SparseMatrix::from_triplets(1, values.len(), &entries);
+            let v = moved(&spread(&body(values.len() / 2, AS_THEY_ARE), &rows), &[1.0]);
+            let mut measured = [0.0];
+            rows.mul(&v, &mut measured);
+            assert!((measured[0] - 1.0).abs() < 1e-12, "{v:?}");
+        }
+    }
+
+    #[test]
+    fn rows_without_entries_ask_for_nothing() {
+        let rows = SparseMatrix::from_triplets(2, 4, &[(0, 0, 0.0), (1, 1, 2.0)]);
+        let v = moved(&spread(&body(2, AS_THEY_ARE), &rows), &[1.0, 1.0]);
+        assert_eq!(v, [0.0, 0.5, 0.0, 0.0]);
     }
 }

@@ -15,6 +15,8 @@
 //!   (x, t) ← (x, t) − QGᵀT⁻¹(G(x, t) − ĝ),      r ← r − GᵀT⁻¹GQr,      T = GQGᵀ
 //! ```
 //!
+//! Conditions that nothing yields to are stiffer than most others by some powers of ten, so that the rigid motions meet them.
+//!
 //! With springs of the glue alone, pieces in contact would never answer a gap that changes from piece to piece by moving: the number of
 //! iterations would grow with the number of pieces in contact.
 //!
@@ -22,12 +24,16 @@
 
 use crate::dual::Glue;
 use crate::linalg::{Cholesky, SparseVector, SymmetricMatrix, factor_scattered};
+use crate::solve::norm;
 use crate::solve::states::Unknown;
 use crate::solve::system::Side;
 
-/// How much stiffer than all others a condition is that nothing yields to, as where supports hold what it joins: no preconditioner
-/// sees what it lacks, so that the rigid motions have to meet it.
+/// How much stiffer than most others a condition is that nothing yields to, as where supports hold what it joins: no preconditioner
+/// sees what it lacks, so that the rigid motions have to meet it. None is stiffer.
 const RIGID: f64 = 1e6;
+
+/// Motions are found twice where less than this part of gaps and jumps remains: what remains is rounding of the network, otherwise.
+const CANCELLED: f64 = 1e-2;
 
 /// The network of the conditions of a linear problem, for one side of its unknowns: their forces, or the rows of their conditions.
 pub(super) struct Network<'s> {
@@ -73,18 +79,15 @@ impl<'s> Network<'s> {
             own + unknown.softness
         });
         let soft: Vec<f64> = soft.collect();
-        let least = soft.iter().filter(|soft| **soft > 0.0);
-        let least = least.fold(f64::INFINITY, |s: f64, soft| s.min(*soft));
-        let rigid = if least.is_finite() {
-            RIGID / least
-        } else {
-            1.0
-        };
-        let stiff = soft
-            .iter()
-            .map(|&soft| if soft > 0.0 { 1.0 / soft } else { rigid });
-        let stiff: Vec<f64> = stiff.collect();
         let mut entries = glue.network();
+        let of_glue = entries.iter().filter(|(i, j, _)| i == j);
+        let of_glue = of_glue.fold(0.0, |s: f64, (_, _, value)| s.max(*value));
+        let mut yielding: Vec<f64> = soft.iter().copied().filter(|s| *s > 0.0).collect();
+        yielding.sort_unstable_by(f64::total_cmp);
+        let typical = yielding.get(yielding.len() / 2).map(|soft| 1.0 / soft);
+        let rigid = RIGID * typical.unwrap_or(of_glue);
+        let stiff = soft.iter().map(|soft| (1.0 / soft).min(rigid));
+        let stiff: Vec<f64> = stiff.collect();
         for (motions, stiff) in motions.iter().zip(&stiff) {
             for &(i, a) in motions {
                 let below = motions.iter().filter(|(j, _)| *j <= i);
@@ -125,8 +128,16 @@ impl<'s> Network<'s> {
         target
     }
 
-    /// The forces x and t with the balance ĝ (N + k,), which is zero where it is not given.
+    /// The forces x and t with the balance ĝ (N + k,), to rounding, or without a resultant where it is not given.
     pub fn restore(&self, target: &[f64], x: &mut [f64], t: &mut [f64]) {
+        self.approach(target, x, t);
+        if !target.is_empty() {
+            // the rounding of a large balance is that of the network, with its stiffest conditions
+            self.approach(target, x, t);
+        }
+    }
+
+    fn approach(&self, target: &[f64], x: &mut [f64], t: &mut [f64]) {
         let mut works = vec![0.0; self.pieces + self.floating];
         self.glue.works(t, &mut works[..self.pieces]);
         for (x, motions) in x.iter().zip(&self.motions) {
@@ -150,6 +161,17 @@ impl<'s> Network<'s> {
 
     /// Gaps r (n,) and jumps (g,) after the rigid motions that make them least; returns the amplitudes of bodies (k,).
     pub fn place(&self, r: &mut [f64], jumps: &mut [f64]) -> Vec<f64> {
+        let before = norm(r).hypot(norm(jumps));
+        let mut amplitudes = self.place_once(r, jumps);
+        if norm(r).hypot(norm(jumps)) < CANCELLED * before {
+            let rest = self.place_once(r, jumps);
+            let both = amplitudes.iter_mut().zip(&rest);
+            both.for_each(|(amplitude, rest)| *amplitude += rest);
+        }
+        amplitudes
+    }
+
+    fn place_once(&self, r: &mut [f64], jumps: &mut [f64]) -> Vec<f64> {
         let mut pulls = vec![0.0; self.pieces + self.floating];
         self.glue.pulls(jumps, &mut pulls[..self.pieces]);
         for ((r, motions), stiff) in r.iter().zip(&self.motions).zip(&self.stiff) {
@@ -225,7 +247,7 @@ mod tests {
             &self.motions
         }
         fn yields(&self) -> &[bool] {
-            &[true; 3]
+            &[true, false, true]
         }
         fn network(&self) -> Vec<(usize, usize, f64)> {
             let mut entries = Vec::new();
@@ -276,7 +298,8 @@ mod tests {
     /// Of a body that the first two conditions move, beside a direction that none of them feels.
     fn network<'s>(line: &'s Line, unknowns: &[Unknown], side: Side) -> Network<'s> {
         let floating = [[1.0, 2.0, 0.0], [0.0; 3]].map(|row| SparseVector::from_dense(&row));
-        let softness = [0.5, 0.0, 0.25];
+        // what nothing yields to has some softness all the same
+        let softness = [0.5, 7.0, 0.25];
         Network::new(
             line,
             (unknowns, side),
@@ -322,7 +345,7 @@ mod tests {
     fn conditions_that_nothing_yields_to_are_met_by_rigid_motions() {
         let (line, unknowns) = (line(), unknowns());
         let network = network(&line, &unknowns, Side::Rows);
-        // the second one has no softness, and the body moves along it
+        // nothing yields to the second one, and the body moves along it
         let (mut r, mut apart) = ([0.7, -0.2, 0.9], jumps(&[0.2, 0.6, -1.0, 0.3]));
         network.place(&mut r, &mut apart);
         assert!(r[1].abs() < 1e-5 && r[0].abs() > 0.1, "{r:?}");
