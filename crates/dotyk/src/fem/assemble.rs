@@ -159,7 +159,7 @@ pub(crate) fn assemble_after<const D: usize>(
             nodes_per_cell: block.kind.nodes(),
         })
         .collect();
-    let graph = Graph::from_cells(body.mesh.points().len(), &blocks);
+    let graph = Graph::from_cells(body.mesh.points().len(), &blocks).placed(body.mesh.points());
     let mut stiffness = match is_whole {
         true => stiffness(body, analysis, &graph)?,
         false => stiffness_at(body, analysis, &constraints)?,

@@ -41,6 +41,7 @@ pub(crate) fn pieces<const D: usize>(
             nodes_per_cell: block.kind.nodes(),
         });
         let graph = Graph::from_cells(nodes.len(), &blocks.collect::<Vec<_>>());
+        let graph = graph.placed(part.mesh.points());
         let frames = nodes.iter().enumerate().filter_map(|(local, &node)| {
             let axes = system.frames.get(&(node as usize))?;
             Some((local, *axes))

@@ -13,12 +13,13 @@
 //! Vectors are over all dofs of the matrix. Dofs that are not listed (prescribed, grounded) are ignored on entry and
 //! zero on return. Memory: 8 bytes per stored entry of L, 12 per entry of A for the analysis, 8 more while factoring.
 //!
-//! Kernels are sequential unless they are asked to be [shared](SymbolicCholesky::shared); several right-hand sides are shared among
-//! threads in blocks of a fixed size.
+//! Factors of few operations are left to the library, on one thread; larger ones are formed by all threads (`fronts.rs`). Several
+//! right-hand sides are shared among threads in blocks of a fixed size. The bits do not depend on the number of threads.
 //!
 //! Source: J. W. H. Liu, E. G. Ng, B. W. Peyton, On finding supernodes for sparse matrix computations,
 //! SIAM J. Matrix Anal. Appl. 14 (1993) 242–252.
 
+use crate::linalg::fronts::{self, Tree};
 use crate::linalg::sparse::accumulate;
 use crate::linalg::{LinalgError, SymmetricMatrix};
 use dyn_stack::{MemBuffer, MemStack};
@@ -38,9 +39,9 @@ const NO_COLUMN: u32 = u32::MAX;
 /// Right-hand sides solved together by one task: enough to reuse each entry of L, few enough for the cache.
 const COLUMNS_PER_TASK: usize = 16;
 
-/// Parts of a large kernel that threads share, whatever their number, and operations below which sharing does not pay.
-const SHARES: usize = 4;
-const WORTH_SHARING: f64 = 3e9;
+/// Operations from which on a factor is formed by all threads: 20 ms of one. Below, on one thread, the library takes up to a
+/// third less time for bodies in space.
+const WORTH_SHARING: f64 = 1e9;
 
 /// Pivots below this part of their diagonal entry are checked by their energy, for the price of half a solution.
 const SUSPICIOUS_PIVOT: f64 = 1e-4;
@@ -57,8 +58,9 @@ pub struct SymbolicCholesky {
     /// Place in the values of A of each entry of `lower`.
     source: Vec<u32>,
     stored: usize,
-    /// How the dense kernels of the factorisation run.
-    threads: Par,
+    operations: f64,
+    /// Of a factor that all threads form.
+    tree: Option<Box<Tree>>,
 }
 
 /// Dofs and supernodes, shared by the analysis and its factors.
@@ -117,28 +119,23 @@ impl SymbolicCholesky {
         let (upper, upper_source) = permuted_upper(matrix, &position, order.len());
         let (symbolic, (lower, source)) =
             rayon::join(|| supernodes(&upper), || transposed(&upper, &upper_source));
+        let symbolic = symbolic.ok_or(too_large)?;
+        let operations = fronts::operations(&symbolic);
+        let tree = (operations > WORTH_SHARING).then(|| Box::new(Tree::of(&symbolic)));
         let structure = Structure {
             dofs: matrix.len(),
             order: order.iter().map(|&dof| dof as u32).collect(),
             trailing,
-            symbolic: symbolic.ok_or(too_large)?,
+            symbolic,
         };
         Ok(Self {
             structure: Arc::new(structure),
             lower,
             source,
             stored: matrix.stored(),
-            threads: Par::Seq,
+            operations,
+            tree,
         })
-    }
-
-    /// The same, large kernels shared among threads. It pays in space, where most operations belong to few supernodes: two
-    /// threads take 0.7 times as long. In the plane it costs a tenth. The factor is the same to the bit.
-    pub fn shared(mut self) -> Self {
-        if self.operations() > WORTH_SHARING {
-            self.threads = Par::rayon(SHARES);
-        }
-        self
     }
 
     /// Number of entries of L that will be stored, some of them zeros within supernodes.
@@ -146,16 +143,14 @@ impl SymbolicCholesky {
         self.structure.symbolic.len_val()
     }
 
+    /// Numbers that are kept beside L while one thread forms it.
+    pub fn beside(&self) -> usize {
+        self.tree.as_ref().map_or(0, |tree| tree.most_left())
+    }
+
     /// Operations of the factorisation.
     pub fn operations(&self) -> f64 {
-        let symbolic = &self.structure.symbolic;
-        let of = |s: usize| {
-            let columns = symbolic.supernode_end()[s] - symbolic.supernode_begin()[s];
-            let [n, m] =
-                [columns as usize, symbolic.supernode(s).pattern().len()].map(|k| k as f64);
-            n * (n * n / 3.0 + m * n + m * m)
-        };
-        (0..symbolic.n_supernodes()).map(of).sum()
+        self.operations
     }
 
     /// Factors a matrix of the analysed pattern.
@@ -170,22 +165,13 @@ impl SymbolicCholesky {
         let values = self.permuted_values(matrix)?;
         let structure = &self.structure;
         let symbolic = &structure.symbolic;
-        let mut memory = MemBuffer::new(supernodal::factorize_supernodal_numeric_llt_scratch::<
-            u32,
-            f64,
-        >(symbolic, self.threads, Default::default()));
-        let mut factor = vec![0.0; symbolic.len_val()];
-        supernodal::factorize_supernodal_numeric_llt(
-            &mut factor,
-            SparseColMatRef::new(self.lower.view(), &values[..]),
-            Default::default(),
-            symbolic,
-            self.threads,
-            MemStack::new(&mut memory),
-            Default::default(),
-        )
-        .map_err(|LltError::NonPositivePivot { index }| {
-            let dof = structure.order[index] as usize;
+        let lower = SparseColMatRef::new(self.lower.view(), &values[..]);
+        let factor = match &self.tree {
+            Some(tree) => fronts::factor(symbolic, tree, lower),
+            None => factor_alone(symbolic, lower),
+        };
+        let factor = factor.map_err(|column| {
+            let dof = structure.order[column] as usize;
             LinalgError::NotPositiveDefinite { dof }
         })?;
         let cholesky = Cholesky {
@@ -208,6 +194,32 @@ impl SymbolicCholesky {
         }
         Ok(values)
     }
+}
+
+/// The factor by one thread.
+///
+/// Errors: the first column whose pivot is not positive.
+fn factor_alone(
+    symbolic: &SymbolicSupernodalCholesky<u32>,
+    lower: SparseColMatRef<'_, u32, f64>,
+) -> Result<Vec<f64>, usize> {
+    let need = supernodal::factorize_supernodal_numeric_llt_scratch::<u32, f64>(
+        symbolic,
+        Par::Seq,
+        Default::default(),
+    );
+    let mut factor = vec![0.0; symbolic.len_val()];
+    supernodal::factorize_supernodal_numeric_llt(
+        &mut factor,
+        lower,
+        Default::default(),
+        symbolic,
+        Par::Seq,
+        MemStack::new(&mut MemBuffer::new(need)),
+        Default::default(),
+    )
+    .map_err(|LltError::NonPositivePivot { index }| index)?;
+    Ok(factor)
 }
 
 /// Place of each dof in the order, [`NONE`] where it is not listed.
@@ -613,21 +625,29 @@ mod tests {
         let n = chains + end;
         let matrix = SymmetricMatrix::from_triplets(n, &triplets);
         let order: Vec<usize> = (0..n).collect();
-        let bits = |threads: Par, workers: usize| {
-            let mut analysis = SymbolicCholesky::new(&matrix, &order, 0).unwrap();
-            analysis.threads = threads;
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(workers);
-            let factor = pool.build().unwrap().install(|| analysis.factor(&matrix));
-            let values = factor.unwrap().values;
-            values.into_iter().map(f64::to_bits).collect::<Vec<u64>>()
+        let analysis = SymbolicCholesky::new(&matrix, &order, 0).unwrap();
+        assert!(analysis.operations() > WORTH_SHARING);
+        let values = |workers: usize| {
+            let factor = grid::on_threads(workers, || analysis.factor(&matrix));
+            factor.unwrap().values
         };
-        let alone = bits(Par::Seq, 1);
-        for workers in [1, 2, 3, 8] {
-            assert!(bits(Par::rayon(SHARES), workers) == alone, "{workers}");
+        let one = values(1);
+        for workers in [2, 3, 8] {
+            assert!(values(workers) == one, "{workers}");
         }
-        let small = SymbolicCholesky::new(&matrix, &order, 0).unwrap();
-        assert!(small.operations() < WORTH_SHARING);
-        assert!(matches!(small.shared().threads, Par::Seq));
+        // the same, formed column by column
+        let entries = analysis.permuted_values(&matrix).unwrap();
+        let lower = SparseColMatRef::new(analysis.lower.view(), &entries[..]);
+        let library = factor_alone(&analysis.structure.symbolic, lower).unwrap();
+        let factor = |values: &[f64]| Cholesky {
+            structure: Arc::clone(&analysis.structure),
+            values: values.to_vec(),
+        };
+        let noise = grid::noise(n);
+        let [mut found, mut expected] = [noise.clone(), noise];
+        factor(&one).solve(&mut found);
+        factor(&library).solve(&mut expected);
+        assert!(largest_difference(&found, &expected) < 1e-12);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::linalg::{
     Cholesky, Graph, LinalgError, SymbolicCholesky, SymmetricMatrix, expand_to_dofs,
-    fill_reducing_order, fill_reducing_order_in_space,
+    fill_reducing_order,
 };
 
 /// A preferred dof is grounded only if a mode, of largest displacement 1, moves it by more than this: else the pivot would cost three
@@ -19,8 +19,7 @@ pub(crate) fn analyse<const D: usize>(
     trailing: &[usize],
 ) -> Result<SymbolicCholesky, LinalgError> {
     let order = elimination_order::<D>(graph, keep, trailing);
-    let analysis = SymbolicCholesky::new(stiffness, &order, trailing.len())?;
-    Ok(if D == 3 { analysis.shared() } else { analysis })
+    SymbolicCholesky::new(stiffness, &order, trailing.len())
 }
 
 /// The dofs with `keep` in an order for their elimination, those of `trailing` at the end.
@@ -38,10 +37,7 @@ pub(super) fn elimination_order<const D: usize>(
     let last: Vec<usize> = (0..nodes.len())
         .filter(|&node| nodes[node] && !inner_nodes[node])
         .collect();
-    let order = match D {
-        3 => fill_reducing_order_in_space(graph, &nodes, &last),
-        _ => fill_reducing_order(graph, &nodes, &last),
-    };
+    let order = fill_reducing_order(graph, &nodes, &last);
     let mut dofs = expand_to_dofs(&order, D, &inner);
     dofs.extend_from_slice(trailing);
     dofs

@@ -6,7 +6,7 @@
 //! The dense functions serve the small problems on the contact. Public are the parts needed to assemble, factor and condense a
 //! body elsewhere: matrices, orderings, factors and the products of dense matrices; not the decompositions of dense matrices.
 //!
-//! Invariant: the same bits for any number of threads. Kernels are sequential; threads take disjoint blocks whose
+//! Invariant: the same bits for any number of threads. Kernels are sequential; threads take disjoint blocks and subtrees whose
 //! borders depend on the problem alone. The operators of [`Mat`] (`&a * &b`) choose threads by themselves: use
 //! [`product()`] and its relatives instead.
 //!
@@ -15,7 +15,9 @@
 mod cholesky;
 mod condensed;
 pub(crate) mod dense;
+mod dissection;
 mod elimination;
+mod fronts;
 mod glued;
 mod gram;
 mod order;
@@ -27,7 +29,7 @@ use crate::host::Team;
 pub use cholesky::{Cholesky, SymbolicCholesky};
 pub use dense::{Lu, gram, product, transpose_product};
 pub use faer::Mat;
-pub use order::{expand_to_dofs, fill_reducing_order, fill_reducing_order_in_space};
+pub use order::{expand_to_dofs, fill_reducing_order};
 pub use sparse::{
     CellMatrices, Connectivity, Graph, SparseMatrix, SparseVector, SymmetricMatrix, assemble_blocks,
 };

@@ -297,9 +297,11 @@ impl<'a> CellMatrices<'a> {
 /// The nodes that share a cell with a node, and the cells at each node.
 ///
 /// A slot is a place in the concatenated node lists of all blocks: it gives the cell and the local node.
-/// Memory: 4 bytes per neighbour and per slot, 16 per node.
+/// Memory: 4 bytes per neighbour and per slot, 16 per node, 24 for its place.
 #[derive(Debug, Clone)]
 pub struct Graph {
+    /// Coordinates of the nodes, those of the plane with a zero; none if they are not known.
+    places: Vec<[f64; 3]>,
     start: Vec<usize>,
     neighbours: Vec<u32>,
     slot_start: Vec<usize>,
@@ -342,11 +344,27 @@ impl Graph {
             neighbours.extend_from_slice(chunk);
         }
         Self {
+            places: Vec::new(),
             start,
             neighbours,
             slot_start,
             slots,
         }
+    }
+
+    /// The same of nodes at known places, which tell where to cut it.
+    ///
+    /// Panics when there is not one place for each node.
+    pub fn placed<const D: usize>(mut self, places: &[[f64; D]]) -> Self {
+        assert_eq!(places.len(), self.nodes());
+        let place = |x: &[f64; D]| std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
+        self.places = places.iter().map(place).collect();
+        self
+    }
+
+    /// Coordinates of the nodes; none if they are not known.
+    pub(super) fn places(&self) -> &[[f64; 3]] {
+        &self.places
     }
 
     /// Number of nodes.

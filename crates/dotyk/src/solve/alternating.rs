@@ -30,9 +30,7 @@ use crate::linalg::dense::{
     cholesky_in_place, dot, product, solve_cholesky_in_place, solve_lower_in_place,
     solve_lower_transpose_in_place,
 };
-use crate::linalg::{
-    Cholesky, Graph, Mat, SparseVector, SymmetricMatrix, fill_reducing_order_in_space,
-};
+use crate::linalg::{Cholesky, Graph, Mat, SparseVector, SymmetricMatrix, fill_reducing_order};
 use crate::solve::Observer;
 use crate::solve::anderson::Anderson;
 use crate::solve::exact::{Ended, NEARBY, Search, Settled};
@@ -417,7 +415,7 @@ fn by_parts(setup: &Setup<'_>, compliance: &[f64]) -> Option<Factored> {
     let matrix = SymmetricMatrix::from_triplets(unknowns, &triplets);
     let edges = triplets.iter().filter(|(i, j, _)| i != j);
     let graph = Graph::of_edges(unknowns, edges.map(|&(i, j, _)| [i as u32, j as u32]));
-    let order = fill_reducing_order_in_space(&graph, &vec![true; unknowns], &[]);
+    let order = fill_reducing_order(&graph, &vec![true; unknowns], &[]);
     let factor = Cholesky::factor(&matrix, &order, 0).ok()?;
     Some(Factored::Parts { columns, factor })
 }

@@ -370,6 +370,7 @@ fn ordered_in<const D: usize>(
             .map(|(part, ((system, rows), ordered))| Demand {
                 trailing: ordered.trailing.len(),
                 factor: ordered.stored(),
+                beside: ordered.beside(),
                 pieces: ordered.divided().map(|own| own.in_process()),
                 stiffness: system.stiffness.stored(),
                 dofs: system.load.len(),

@@ -117,6 +117,14 @@ impl Ordered {
         }
     }
 
+    /// Numbers that are kept beside the factor while it is formed.
+    pub fn beside(&self) -> usize {
+        match &self.analysis {
+            Analysis::Whole(analysis) => analysis.beside(),
+            Analysis::Pieces(_) => 0,
+        }
+    }
+
     /// The pieces, of a body that is divided.
     pub fn divided(&self) -> Option<&Divided> {
         match &self.analysis {

@@ -2,6 +2,7 @@
 //!
 //! ```text
 //!   a body:    24|K| + 8|L| + 8(t² + tr + r²)     its stiffness as it is, permuted and analysed; its factor; L_c, X and F_b
+//!                or 24|K| + 8(|L| + s), if more     s what is kept beside a factor while one thread forms it
 //!   applied:   24|K| + 16|L|                      with the factor of the preconditioner, which has not more entries
 //!   in pieces: 24|K| + 8|L|                      K and L those of all pieces of a process, and what is assembled of the whole
 //!   yielding:  600 per dof                        44 displacements of Anderson's method and around it, and four plastic strains of
@@ -28,6 +29,8 @@ pub(crate) struct Demand {
     pub trailing: usize,
     /// Entries of its factor.
     pub factor: usize,
+    /// Numbers that are kept beside it while it is formed.
+    pub beside: usize,
     /// Entries of the stiffnesses and factors of its pieces, of a body that is divided.
     pub pieces: Option<[usize; 2]>,
     /// Entries of its stiffness.
@@ -53,6 +56,7 @@ impl Demand {
             (None, true) => factor + 8 * (t * t + t * r + r * r),
             (None, false) => 2 * factor,
         };
+        let own = own.max(factor + 8 * self.beside as u64);
         let yielding = if self.yields { YIELDING } else { 0 };
         24 * self.stiffness as u64 + own + yielding * self.dofs as u64
     }
