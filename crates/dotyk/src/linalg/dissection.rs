@@ -1,8 +1,8 @@
 //! Nested dissection by coordinates.
 //!
 //! A set of nodes is cut at the median of one coordinate. The least set of nodes that meets every edge between the halves parts
-//! them, and is eliminated after both; the halves are cut in their turn. Of the axes the one is taken that leaves the fewest nodes
-//! between the halves. Small sets are ordered by minimum degree, which counts the nodes around them that come later.
+//! them, and is eliminated after both; the halves are cut in their turn, across the longest axis or across the one that leaves the
+//! fewest nodes between the halves. Small sets are ordered by minimum degree, which counts the nodes around them that come later.
 //!
 //! The edges between two halves are a bipartite graph, whose least cover has as many nodes as its largest matching has edges
 //! (König): a node of the left half belongs to it unless a path that takes edges without and with the matching in turns leads there
@@ -17,7 +17,6 @@
 
 use super::order::minimum_degree;
 use crate::linalg::Graph;
-use std::cmp::Ordering::Equal;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Sets of this size are not cut any more: 50 to 300 leave the same operations within 2 %.
@@ -80,11 +79,11 @@ impl Dissection<'_> {
     }
 
     fn order(&self, nodes: &mut [u32], part: u32) {
-        let cuts = (0..3).filter_map(|axis| match nodes.len() {
+        let cut = match nodes.len() {
             ..=SMALL => None,
-            _ => self.cut(nodes, part, axis),
-        });
-        let Some(cut) = cuts.min_by_key(|cut| cut.between.len()) else {
+            _ => self.best_cut(nodes, part),
+        };
+        let Some(cut) = cut else {
             self.order_small(nodes, part);
             return;
         };
@@ -109,33 +108,59 @@ impl Dissection<'_> {
         );
     }
 
-    /// The cut across an axis; `None` if all nodes lie at one place along it.
-    fn cut(&self, nodes: &[u32], part: u32, axis: usize) -> Option<Cut> {
+    /// The cut across the longest axis if it is as short as that of a square or a cube, else the shortest across any axis; `None` if
+    /// all nodes lie at one place.
+    fn best_cut(&self, nodes: &[u32], part: u32) -> Option<Cut> {
         let places = self.graph.places();
-        let along = |node: u32| places[node as usize][axis];
-        let first = along(nodes[0]);
-        if nodes.iter().all(|&node| along(node) == first) {
-            return None;
-        }
-        let order = |&a: &u32, &b: &u32| {
-            let [p, q] = [a, b].map(|node| places[node as usize]);
-            let axes = (0..3).map(|k| (axis + k) % 3);
-            let by = axes.map(|k| p[k].total_cmp(&q[k]));
-            by.into_iter().find(|&by| by != Equal).unwrap_or(a.cmp(&b))
+        let extent = |axis: usize| {
+            let along = nodes.iter().map(|&node| places[node as usize][axis]);
+            let (low, high) = along.fold((f64::MAX, f64::MIN), |(low, high), x| {
+                (low.min(x), high.max(x))
+            });
+            high - low
         };
-        let mut nodes = nodes.to_vec();
-        let middle = nodes.len() / 2;
-        nodes.select_nth_unstable_by(middle, order);
+        let mut axes: Vec<(f64, usize)> = (0..3).map(|axis| (extent(axis), axis)).collect();
+        axes.retain(|&(extent, _)| extent > 0.0);
+        axes.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let flat = axes.len() < 3;
+        let short = (nodes.len() as f64).powf(if flat { 0.5 } else { 2.0 / 3.0 });
+        let mut best: Option<Cut> = None;
+        for (_, axis) in axes {
+            let cut = self.cut(nodes, part, axis);
+            if best
+                .as_ref()
+                .is_none_or(|best| cut.between.len() < best.between.len())
+            {
+                best = Some(cut);
+            }
+            let found = best.as_ref().map_or(0, |best| best.between.len());
+            if found as f64 <= short {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The cut across an axis, at the median.
+    fn cut(&self, nodes: &[u32], part: u32, axis: usize) -> Cut {
+        let places = self.graph.places();
+        let mut along: Vec<(u64, u32)> = nodes
+            .iter()
+            .map(|&node| (ascending(places[node as usize][axis]), node))
+            .collect();
+        let middle = along.len() / 2;
+        along.select_nth_unstable(middle);
+        let nodes: Vec<u32> = along.into_iter().map(|(_, node)| node).collect();
         let (left, right) = nodes.split_at(middle);
         let sides = [2 * part, 2 * part + 1];
         self.mark(left, sides[0]);
         self.mark(right, sides[1]);
         let between = self.between(left, right, sides);
-        Some(Cut {
+        Cut {
             nodes,
             left: middle,
             between,
-        })
+        }
     }
 
     /// The fewest nodes that meet all edges between two sets.
@@ -188,6 +213,15 @@ impl Dissection<'_> {
         for (to, k) in nodes.iter_mut().zip(own) {
             *to = all[k as usize];
         }
+    }
+}
+
+/// A number that grows with a coordinate.
+fn ascending(x: f64) -> u64 {
+    let bits = x.to_bits();
+    match x.is_sign_negative() {
+        true => !bits,
+        false => bits | 1 << 63,
     }
 }
 
