@@ -38,6 +38,7 @@ pub(super) fn dissect(graph: &Graph, nodes: &mut [u32], last: &[u32]) {
     let new = |value| (0..graph.nodes()).map(move |_| AtomicU32::new(value));
     let dissection = Dissection {
         graph,
+        reach: reach(graph),
         part: new(ABSENT).collect(),
         local: new(0).collect(),
     };
@@ -46,10 +47,25 @@ pub(super) fn dissect(graph: &Graph, nodes: &mut [u32], last: &[u32]) {
     dissection.order(nodes, WHOLE);
 }
 
+/// The longest edge along each axis.
+fn reach(graph: &Graph) -> [f64; 3] {
+    let places = graph.places();
+    let mut reach = [0.0; 3];
+    for (node, here) in places.iter().enumerate() {
+        for &other in graph.neighbours(node) {
+            let there = places[other as usize];
+            reach = std::array::from_fn(|k: usize| (there[k] - here[k]).abs().max(reach[k]));
+        }
+    }
+    reach
+}
+
 /// Every node belongs to one part at a time, and only the task of that part writes its entries: what a task reads of other parts is
 /// some number that is not its own.
 struct Dissection<'a> {
     graph: &'a Graph,
+    /// How far an edge goes along each axis at most.
+    reach: [f64; 3],
     /// Number of the part of each node.
     part: Vec<AtomicU32>,
     /// Index of each node in a list of its part.
@@ -155,7 +171,11 @@ impl Dissection<'_> {
         let sides = [2 * part, 2 * part + 1];
         self.mark(left, sides[0]);
         self.mark(right, sides[1]);
-        let between = self.between(left, right, sides);
+        let at = places[right[0] as usize][axis];
+        let is_near = |&node: &u32| (places[node as usize][axis] - at).abs() <= self.reach[axis];
+        let [near_left, near_right] =
+            [left, right].map(|half| half.iter().copied().filter(is_near).collect());
+        let between = self.between([near_left, near_right], sides);
         Cut {
             nodes,
             left: middle,
@@ -164,14 +184,11 @@ impl Dissection<'_> {
     }
 
     /// The fewest nodes that meet all edges between two sets.
-    fn between(&self, left: &[u32], right: &[u32], [a, b]: [u32; 2]) -> Vec<u32> {
+    fn between(&self, halves: [Vec<u32>; 2], [a, b]: [u32; 2]) -> Vec<u32> {
         let touches = |node: u32, side: u32| self.neighbours(node).any(|n| self.part(n) == side);
-        let [left, right] = [(left, b), (right, a)].map(|(half, other)| {
-            let nodes = half.iter().copied();
-            nodes
-                .filter(|&node| touches(node, other))
-                .collect::<Vec<u32>>()
-        });
+        let [mut left, mut right] = halves;
+        left.retain(|&node| touches(node, b));
+        right.retain(|&node| touches(node, a));
         for (index, &node) in right.iter().enumerate() {
             self.local[node as usize].store(index as u32, Relaxed);
         }
