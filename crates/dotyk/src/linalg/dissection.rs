@@ -15,8 +15,8 @@
 //! Sources: A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973) 345–363; D. König,
 //! Gráfok és mátrixok, Mat. Fiz. Lapok 38 (1931) 116–119.
 
-use super::order::minimum_degree;
 use crate::linalg::Graph;
+use crate::linalg::degree::minimum_degree;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Sets of this size are not cut any more: 50 to 300 leave the same operations within 2 %.

@@ -14,6 +14,7 @@
 
 mod cholesky;
 mod condensed;
+mod degree;
 pub(crate) mod dense;
 mod dissection;
 mod elimination;

@@ -6,14 +6,13 @@
 //! The order is postordered by its elimination tree, which changes no fill but puts the columns of a supernode side
 //! by side, where the factorisation looks for them.
 //!
-//! Sources: P. R. Amestoy, T. A. Davis, I. S. Duff, SIAM J. Matrix Anal. Appl. 17 (1996) 886–905; J. W. H. Liu, The role of
-//! elimination trees in sparse factorization, SIAM J. Matrix Anal. Appl. 11 (1990) 134–172.
+//! Source: J. W. H. Liu, The role of elimination trees in sparse factorization, SIAM J. Matrix Anal. Appl. 11 (1990) 134–172.
 
-use super::dissection::dissect;
 use crate::linalg::Graph;
+use crate::linalg::degree::minimum_degree;
+use crate::linalg::dissection::dissect;
 use dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::simplicial;
 
 const NO_ROW: u32 = u32::MAX;
@@ -94,36 +93,6 @@ pub fn expand_to_dofs(order: &[usize], dimension: usize, keep: &[bool]) -> Vec<u
         dofs.extend((dimension * node..dimension * (node + 1)).filter(|&dof| keep[dof]));
     }
     dofs
-}
-
-/// Approximate minimum degree of `n` nodes, each with its neighbours among them.
-pub(super) fn minimum_degree<N: Iterator<Item = u32>>(
-    n: usize,
-    neighbours: impl Fn(usize) -> N,
-) -> Vec<u32> {
-    let mut col_start = Vec::with_capacity(n + 1);
-    let mut row_index = Vec::with_capacity(8 * n);
-    col_start.push(0u32);
-    for j in 0..n {
-        row_index.extend(neighbours(j).filter(|&i| (i as usize) < j));
-        row_index.push(j as u32);
-        col_start.push(row_index.len() as u32);
-    }
-    let upper = SymbolicSparseColMatRef::new_unsorted_checked(n, n, &col_start, None, &row_index);
-    let (mut order, mut inverse) = (vec![0u32; n], vec![0u32; n]);
-    let mut memory = MemBuffer::new(amd::order_scratch::<u32>(n, row_index.len()));
-    let stack = MemStack::new(&mut memory);
-    match amd::order(
-        &mut order,
-        &mut inverse,
-        upper,
-        amd::Control::default(),
-        stack,
-    ) {
-        Ok(_) => order,
-        // Only a graph beyond 32-bit indices fails; any order is a valid one.
-        Err(_) => (0..n as u32).collect(),
-    }
 }
 
 /// Operations of a factorisation with one dof for each node: Σ c² over the entries c of the columns of the factor.
