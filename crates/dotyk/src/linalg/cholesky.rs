@@ -604,9 +604,9 @@ mod tests {
     }
 
     #[test]
-    fn shared_kernels_give_the_same_bits_on_any_number_of_threads() {
+    fn large_factors_have_the_same_bits_on_any_number_of_threads() {
         // chains that all end in one large supernode
-        let (chains, end) = (400, 900);
+        let (chains, end) = (400, 1500);
         let wave = |i: usize, j: usize| ((i * 31 + j * 17) as f64).sin();
         let mut triplets = Vec::new();
         for i in 0..chains + end {
@@ -648,6 +648,43 @@ mod tests {
         factor(&one).solve(&mut found);
         factor(&library).solve(&mut expected);
         assert!(largest_difference(&found, &expected) < 1e-12);
+    }
+
+    #[test]
+    fn fronts_form_the_factor_of_the_library() {
+        // several roots: two bodies, and lone dofs of which nothing else knows
+        let (matrix, order, _) = clamped(40, 31);
+        let n = matrix.len();
+        let mut twice = vec![(2 * n, 2 * n, 3.0)];
+        for j in 0..n {
+            for (&i, &value) in matrix.rows_of(j).iter().zip(matrix.values_of(j)) {
+                let i = i as usize;
+                twice.extend([(i, j, value), (n + i, n + j, 2.0 * value)]);
+            }
+        }
+        let twice = SymmetricMatrix::from_triplets(2 * n + 1, &twice);
+        let mut both = order.clone();
+        both.push(2 * n);
+        both.extend(order.iter().map(|dof| n + dof));
+        let (small, few, _) = clamped(3, 2);
+        for (matrix, order) in [(&matrix, &order), (&twice, &both), (&small, &few)] {
+            let analysis = SymbolicCholesky::new(matrix, order, 0).unwrap();
+            let entries = analysis.permuted_values(matrix).unwrap();
+            let lower = || SparseColMatRef::new(analysis.lower.view(), &entries[..]);
+            let symbolic = &analysis.structure.symbolic;
+            let factors = [
+                fronts::factor(symbolic, &Tree::of(symbolic), lower()).unwrap(),
+                factor_alone(symbolic, lower()).unwrap(),
+            ];
+            let [found, expected] = factors.map(|values| {
+                let structure = Arc::clone(&analysis.structure);
+                let mut u = grid::noise(matrix.len());
+                Cholesky { structure, values }.solve(&mut u);
+                u
+            });
+            let scale = expected.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+            assert!(largest_difference(&found, &expected) < 1e-10 * scale);
+        }
     }
 
     #[test]
