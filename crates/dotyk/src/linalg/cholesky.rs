@@ -11,7 +11,8 @@
 //! grounded first: dofs that hold it are left out of the order.
 //!
 //! Vectors are over all dofs of the matrix. Dofs that are not listed (prescribed, grounded) are ignored on entry and
-//! zero on return. Memory: 8 bytes per stored entry of L, 12 per entry of A for the analysis, 8 more while factoring.
+//! zero on return. Memory: 8 bytes per stored entry of L, 12 per entry of A for the analysis, 8 more while factoring,
+//! and what [`SymbolicCholesky::beside`] tells.
 //!
 //! Factors of few operations are left to the library, on one thread; larger ones are formed by all threads (`fronts.rs`). Several
 //! right-hand sides are shared among threads in blocks of a fixed size. The bits do not depend on the number of threads.

@@ -67,7 +67,7 @@ pub(super) struct Tree {
     tasks: Vec<(Range<usize>, usize)>,
     /// Whether an even number of supernodes is above each.
     is_even: Vec<bool>,
-    /// Supernodes above them that have no children.
+    /// Supernodes without children that are too large for such a task.
     tips: Vec<u32>,
     /// The most numbers that are left at a time by supernodes whose parents are not formed yet, on one thread.
     most: usize,
@@ -228,8 +228,8 @@ struct Elimination<'a> {
     tree: &'a Tree,
     matrix: SparseColMatRef<'a, u32, f64>,
     fronts: Vec<Front<'a>>,
-    spare: Mutex<Vec<Vec<f64>>>,
-    /// First column whose pivot is not positive.
+    spare: Mutex<Vec<f64>>,
+    /// The least column whose pivot was found not positive.
     failed: AtomicUsize,
 }
 
@@ -244,7 +244,7 @@ struct Front<'a> {
 
 /// The factor of a matrix given by the columns of its lower triangle, rows ascending.
 ///
-/// Errors: the first column whose pivot is not positive.
+/// Errors: the least of the columns whose pivots were found not positive, the same on any number of threads.
 pub(super) fn factor(
     symbolic: &SymbolicSupernodalCholesky<u32>,
     tree: &Tree,
@@ -280,7 +280,7 @@ pub(super) fn factor(
 
 impl Elimination<'_> {
     fn run(&self) {
-        rayon::in_place_scope(|scope| {
+        rayon::scope(|scope| {
             for &tip in &self.tree.tips {
                 scope.spawn(move |scope| self.upwards(scope, tip));
             }
@@ -329,25 +329,28 @@ impl Elimination<'_> {
                 Ok(()) => *lock(&self.fronts[s as usize].left) = Some(update),
                 Err(column) => self.fail(column),
             }
-            lock(&self.spare).extend(left.into_iter().map(|(_, left)| left));
+            self.keep_largest(left.into_iter().map(|(_, left)| left));
         }
         self.done(scope, s);
     }
 
     /// Memory that was used before, so that it need not be got from the system anew.
     fn spare(&self, length: usize) -> Vec<f64> {
-        let mut spare = lock(&self.spare);
-        let fits = spare.iter().enumerate();
-        let fits = fits.filter(|(_, memory)| memory.len() >= length);
-        if let Some((place, _)) = fits.min_by_key(|(_, memory)| memory.len()) {
-            return spare.swap_remove(place);
+        let spare = std::mem::take(&mut *lock(&self.spare));
+        match spare.len() >= length {
+            true => spare,
+            false => vec![0.0; length],
         }
-        let all = spare.iter().enumerate();
-        if let Some((largest, _)) = all.max_by_key(|(_, memory)| memory.len()) {
-            spare.swap_remove(largest);
+    }
+
+    /// Keeps the largest of what is no longer needed, and gives the others back.
+    fn keep_largest(&self, unused: impl Iterator<Item = Vec<f64>>) {
+        if let Some(largest) = unused.max_by_key(Vec::len) {
+            let mut spare = lock(&self.spare);
+            if spare.len() < largest.len() {
+                *spare = largest;
+            }
         }
-        drop(spare);
-        vec![0.0; length]
     }
 
     /// Eliminates a subtree by one thread.

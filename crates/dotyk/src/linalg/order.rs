@@ -17,12 +17,12 @@ use faer::sparse::linalg::cholesky::simplicial;
 
 const NO_ROW: u32 = u32::MAX;
 
-/// Dissection is tried only if minimum degree takes more operations by nodes than this for each neighbour of each node, because
+/// For fewer nodes than [`CERTAINLY_WORTH`] dissection is tried only if minimum degree takes more operations by nodes than this for each neighbour of each node, because
 /// dissection itself takes as long as some hundred operations on blocks of 2 × 2 or 3 × 3 for each. Bodies of less than 3000 nodes in
 /// the plane and of 300 in space lie below, and thin beams.
 const WORTH_DISSECTING: f64 = 150.0;
 
-/// Nodes from which on it is tried beside minimum degree, by another thread.
+/// Nodes from which on it is always tried, beside minimum degree where there is another thread.
 const CERTAINLY_WORTH: usize = 20_000;
 
 /// Elimination order of the nodes with `keep`: first those not in `last`, then those of `last` in the given order.

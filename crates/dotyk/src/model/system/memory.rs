@@ -2,8 +2,8 @@
 //!
 //! ```text
 //!   a body:    24|K| + 8|L| + 8(t² + tr + r²)     its stiffness as it is, permuted and analysed; its factor; L_c, X and F_b
-//!                or 24|K| + 8(|L| + s), if more     s what is kept beside a factor while one thread forms it
-//!   applied:   24|K| + 16|L|                      with the factor of the preconditioner, which has not more entries
+//!                or 24|K| + 8(|L| + s), if more      s what is kept beside a factor while one thread forms it
+//!   applied:   24|K| + 16|L| + 8s                 with the factor of the preconditioner, which has not more entries
 //!   in pieces: 24|K| + 8|L|                      K and L those of all pieces of a process, and what is assembled of the whole
 //!   yielding:  600 per dof                        44 displacements of Anderson's method and around it, and four plastic strains of
 //!                                                 7 numbers at about as many points as there are dofs
@@ -49,14 +49,13 @@ const YIELDING: u64 = 600;
 impl Demand {
     /// Bytes, with F assembled or applied.
     fn bytes(&self, dense: bool) -> u64 {
-        let [t, r] = [self.trailing, self.rows].map(|n| n as u64);
+        let [t, r, beside] = [self.trailing, self.rows, self.beside].map(|n| n as u64);
         let factor = 8 * self.factor as u64;
         let own = match (self.pieces, dense) {
             (Some([stiffness, factors]), _) => 24 * stiffness as u64 + 8 * factors as u64,
-            (None, true) => factor + 8 * (t * t + t * r + r * r),
-            (None, false) => 2 * factor,
+            (None, true) => factor + 8 * (t * t + t * r + r * r).max(beside),
+            (None, false) => 2 * factor + 8 * beside,
         };
-        let own = own.max(factor + 8 * self.beside as u64);
         let yielding = if self.yields { YIELDING } else { 0 };
         24 * self.stiffness as u64 + own + yielding * self.dofs as u64
     }
