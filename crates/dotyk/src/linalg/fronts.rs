@@ -205,7 +205,7 @@ impl Packed {
         self.start(self.0)
     }
 
-    /// Where the block begins that begins with a column.
+    /// Where a column begins: its block's first row.
     fn start(self, column: usize) -> usize {
         // Σ (m − c) over the columns of whole blocks, c the first column of each
         let blocks = column / WIDTH;
