@@ -62,6 +62,7 @@ use crate::contact::{
 };
 use crate::fem::{Analysis, Held, measure};
 use crate::geometry::{Point, dot, norm, unit};
+use crate::host::in_order;
 use crate::mesh::{Facet, Mesh};
 use rayon::prelude::*;
 use std::any::Any;
@@ -373,11 +374,10 @@ impl<'a, const D: usize> Pairing<'a, D> {
             (first - chunk.len(), chunk)
         });
         let of_facets: Vec<(usize, &[Station<D>])> = of_facets.collect();
-        let shares: Vec<Vec<Share<D>>> = of_facets
+        let shares = of_facets
             .par_iter()
-            .map(|&(first, stations)| self.shares(first, stations, (&kept, &implied), &cover))
-            .collect::<Result<_, _>>()?;
-        for share in shares.into_iter().flatten() {
+            .map(|&(first, stations)| self.shares(first, stations, (&kept, &implied), &cover));
+        for share in in_order(shares)?.into_iter().flatten() {
             if let Some(sums) = sums.get_mut(&share.node) {
                 sums.add(share);
             }
@@ -484,8 +484,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 points.filter_map(|&(xi, weight)| self.station(piece, xi, weight).transpose());
             stations.collect::<Result<Vec<_>, _>>()
         });
-        let each: Vec<Vec<_>> = each.collect::<Result<_, _>>()?;
-        Ok(each.into_iter().flatten().collect())
+        Ok(in_order(each)?.into_iter().flatten().collect())
     }
 
     /// ∫ of the hat of every node over the whole side.

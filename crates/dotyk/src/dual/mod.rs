@@ -98,6 +98,10 @@ pub trait Glue: Send + Sync {
         product: &mut [f64],
         jumps: &mut [f64],
     );
+    /// Products with F that cost as much as another way to the answer.
+    fn enough(&self) -> usize {
+        usize::MAX
+    }
     /// Keeps the forces of the glue that belong to λ: displacements under λ are soon asked for.
     fn keep(&self, lambda: &[f64], t: &[f64]);
     /// Forces (m,) and (g,) that about cause some motions of the contact rows (m,) and jumps (g,).
@@ -125,6 +129,16 @@ impl Compliance {
             Self::Dense(matrix) => matvec(matrix, x, y),
             Self::Sparse(matrix) => matrix.mul(x, y),
             Self::Operator { apply, .. } => apply.apply(x, y),
+        }
+    }
+
+    /// Products with F that cost as much as another way to the answer.
+    pub(crate) fn enough(&self) -> usize {
+        match self {
+            Self::Operator {
+                glue: Some(glue), ..
+            } => glue.enough(),
+            _ => usize::MAX,
         }
     }
 

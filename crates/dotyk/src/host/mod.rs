@@ -13,4 +13,5 @@ pub use memory::{free_memory, peak_memory_bytes};
 pub(crate) use team::threads::in_teams;
 pub use team::{Team, alike, all_done, team, work_in};
 pub(crate) use team::{largest_share, processes, share};
+pub(crate) use threads::in_order;
 pub use threads::threads;

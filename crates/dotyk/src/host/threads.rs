@@ -3,6 +3,7 @@
 use crate::host::memory::{address_space, of_products, told};
 use crate::host::team::team;
 use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::available_parallelism;
 
@@ -14,6 +15,13 @@ const OF_ALLOCATOR: u64 = 136 << 20;
 
 /// Bytes of a small model besides.
 const OF_MODEL: u64 = 32 << 20;
+
+/// The results of parallel work in their order. Of several errors it is the first one in this order, whichever came first in time.
+pub(crate) fn in_order<T: Send, E: Send>(
+    each: impl IndexedParallelIterator<Item = Result<T, E>>,
+) -> Result<Vec<T>, E> {
+    each.collect::<Vec<_>>().into_iter().collect()
+}
 
 /// A pool of that many threads, to be built; without a number as many as there are processors, or as fit a limited address
 /// space, and one in a process that works with others.

@@ -652,6 +652,39 @@ mod tests {
     }
 
     #[test]
+    fn pivots_that_are_not_positive_are_named_alike_on_any_number_of_threads() {
+        let (matrix, order, _) = clamped(70, 60);
+        // dofs in subtrees of their own, far apart in the order
+        let bad = [order[order.len() / 5], order[3 * order.len() / 5]];
+        let mut triplets = Vec::new();
+        for j in 0..matrix.len() {
+            for (&i, &value) in matrix.rows_of(j).iter().zip(matrix.values_of(j)) {
+                let sign = if i as usize == j && bad.contains(&j) {
+                    -1.0
+                } else {
+                    1.0
+                };
+                triplets.push((i as usize, j, sign * value));
+            }
+        }
+        let matrix = SymmetricMatrix::from_triplets(matrix.len(), &triplets);
+        let analysis = SymbolicCholesky::new(&matrix, &order, 0).unwrap();
+        let entries = analysis.permuted_values(&matrix).unwrap();
+        let symbolic = &analysis.structure.symbolic;
+        let tree = Tree::of(symbolic);
+        let failed = |workers: usize| {
+            let lower = SparseColMatRef::new(analysis.lower.view(), &entries[..]);
+            let column = grid::on_threads(workers, || fronts::factor(symbolic, &tree, lower));
+            analysis.structure.order[column.unwrap_err()] as usize
+        };
+        let one = failed(1);
+        assert!(bad.contains(&one), "{one} of {bad:?}");
+        for workers in [2, 8] {
+            assert_eq!(failed(workers), one);
+        }
+    }
+
+    #[test]
     fn fronts_form_the_factor_of_the_library() {
         // several roots: two bodies, and lone dofs of which nothing else knows
         let (matrix, order, _) = clamped(40, 31);

@@ -29,7 +29,7 @@
 //! Sources: Z. Dostál, D. Horák, R. Kučera, Total FETI, Commun. Numer. Meth. Engng 22 (2006) 1155–1162; D. Rixen, C. Farhat, A simple and
 //! efficient extension of a class of substructure based preconditioners, Int. J. Numer. Meth. Engng 44 (1999) 489–516.
 
-use crate::host::{Team, largest_share, share};
+use crate::host::{Team, in_order, largest_share, share};
 use crate::linalg::condensed::{Bordered, Factors, Kind, Outline, Piece};
 use crate::linalg::dense::{dot, least_squares, norm};
 use crate::linalg::{
@@ -125,7 +125,7 @@ impl Divided {
         };
         let bordered = pieces.into_par_iter();
         let bordered = bordered.map(|piece| Bordered::new::<D>(piece, &kind));
-        let bordered = bordered.collect::<Result<Vec<_>, _>>();
+        let bordered = in_order(bordered);
         let (own, outlines): (Vec<_>, Vec<_>) = agreed(&*team, bordered)?.into_iter().unzip();
         let coded = outlines.iter().flat_map(Outline::coded).collect();
         drop(outlines);
@@ -235,7 +235,7 @@ impl Divided {
     pub fn glue(self: &Arc<Self>) -> Result<Glued, LinalgError> {
         let factors = self.own.par_iter().map(Bordered::factor);
         Ok(Glued {
-            factors: agreed(&*self.team, factors.collect::<Result<Vec<_>, _>>())?,
+            factors: agreed(&*self.team, in_order(factors))?,
             coarse: self.coarse_problem()?,
             whole: Arc::clone(self),
             memory: Mutex::default(),

@@ -32,7 +32,7 @@ const ONE: Patience = Patience::new(1, 1.0);
 const PLAIN: Patience = Patience::new(7, f64::INFINITY);
 
 /// The same where a rescue costs as much.
-const LONG: Patience = Patience::new(20, f64::INFINITY);
+const LONG: Patience = Patience::new(20, f64::INFINITY).opening();
 
 /// The same where interior points can follow. Steps that converge change fewer states each time or reduce the residual, once the
 /// first ones have found most states: from the first step on a coarser problem, whose answer is only a guess.

@@ -127,6 +127,12 @@ impl State {
         parts.fold(0.0, f64::max)
     }
 
+    /// Whether contacts open from these states to the next, and nothing else happens.
+    pub fn only_open(these: &[Self], next: &[Self]) -> bool {
+        let mut changed = these.iter().zip(next).filter(|(a, b)| a.key() != b.key());
+        changed.all(|(before, after)| before.closed && !after.closed)
+    }
+
     /// Those of all blocks.
     pub fn keys(states: &[Self]) -> Vec<(bool, u8)> {
         states.iter().map(Self::key).collect()
@@ -316,6 +322,21 @@ mod tests {
     fn slip(direction: &[f64], share: f64) -> Shear {
         let direction = direction.to_vec();
         Shear::Slip { direction, share }
+    }
+
+    #[test]
+    fn contacts_only_open_if_none_closes_and_no_shear_changes() {
+        let block = COULOMB.block(1);
+        let [closed, open] = [true, false].map(|closed| State::sticking(&block, closed));
+        let slips = State::of_trial(&block, &[4.0, -2.5]);
+        let both = [closed.clone(), closed.clone()];
+        let only_open = |next: [&State; 2]| State::only_open(&both, &next.map(State::clone));
+        assert!(only_open([&open, &closed]) && only_open([&closed, &closed]));
+        assert!(!only_open([&open, &slips]));
+        assert!(!State::only_open(
+            &[open.clone(), closed.clone()],
+            &[closed, open]
+        ));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use crate::model::nouns::model::{Method, Model};
 use crate::model::nouns::presence::Stage;
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::DENSE_LIMIT;
-use crate::model::system::condense::{Condensed, linearise};
+use crate::model::system::condense::{Condensed, Purpose, linearise};
 use crate::model::system::state::State;
 use crate::solve::{SAFE_STEP, SolveError};
 use std::sync::Arc;
@@ -124,7 +124,7 @@ impl<const D: usize> Bench<D> {
             }
             false => {
                 let from = (last, Arc::new(State::new(model, last, false)));
-                let (stage, anew) = (Stage::whole(model), (None, DENSE_LIMIT));
+                let (stage, anew) = (Stage::whole(model), (None, Purpose::others(DENSE_LIMIT)));
                 let (condensed, ()) = linearise(&stage, from, anew, |_, _| Ok(()), observe)?;
                 (model.clone(), condensed)
             }

@@ -330,7 +330,7 @@ mod tests {
     use crate::model::nouns::model::{CoupleKind, Elastic, Law};
     use crate::model::nouns::presence::Stage;
     use crate::model::system::compliance::ASSEMBLED;
-    use crate::model::system::condense::linearise;
+    use crate::model::system::condense::{Purpose, linearise};
     use crate::model::system::state::State;
     use std::sync::Arc;
 
@@ -354,7 +354,7 @@ mod tests {
         let floor = model.obstacle((body, "bottom"), Field::constant(0.0));
         floor.law = Law::Coulomb(Field::constant(0.2));
         let from = (1.0, Arc::new(State::new(&model, 1.0, false)));
-        let (stage, anew) = (Stage::whole(&model), (None, ASSEMBLED));
+        let (stage, anew) = (Stage::whole(&model), (None, Purpose::others(ASSEMBLED)));
         let made = linearise(&stage, from, anew, |_, _| Ok(()), &mut |_| {});
         let (condensed, ()) = made.unwrap();
         let rows = condensed.gaps.len();

@@ -2,15 +2,16 @@
 //! is asked for.
 //!
 //! ```text
-//!   solve ─▶ judge ─▶ F assembled after all       an applied or sparse F was not enough
-//!     ▲                an increment               an exact step whose gaps are those of the displacements
+//!   solve ─▶ judge ─▶ bodies whole after all     in pieces they would take longer
+//!     ▲                F assembled after all      an applied or sparse F was not enough
+//!     │                an increment               an exact step whose gaps are those of the displacements
 //!     │                a finer tolerance          the iteration goes on, with d corrected by these gaps
 //!     │                a joint that has parted    without what it bore                                   torn.rs
 //!     └──────────────  plastic strain             that the displacements return to, with its load        flow.rs
 //! ```
 //!
 //! The solver knows F and d, the certificate judges displacements and energies computed afresh. Where they differ (rounding of the
-//! factorisation in a slender body, another scale of the energy) the first three moves bring the forces nearer: they are taken in this
+//! factorisation in a slender body, another scale of the energy) the first four moves bring the forces nearer: they are taken in this
 //! order, each until it leads no further, and stay on one linear problem. The last two change what drives; K, its factor, F and the
 //! pairs stay. A linear problem passes once. A solver from outside is called once, and its answer is judged as it is.
 
@@ -24,7 +25,7 @@ use crate::model::nouns::event::Event;
 use crate::model::nouns::model::{Method, Model};
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::ASSEMBLED;
-use crate::model::system::condense::{Condensed, again};
+use crate::model::system::condense::{Condensed, again, make_whole};
 use crate::solve::{Outcome, correction, loaded};
 
 /// Most increments.
@@ -90,6 +91,8 @@ pub(crate) fn certified<const D: usize>(
 /// A move on the linear problem; all that come before it lead no further.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Move {
+    /// Newton's method once more, with whole bodies that were in pieces for the time that this saves.
+    Whole,
     /// Newton's method once more, with all entries of F. A crowd would have too many.
     Assemble,
     /// After Newton's method.
@@ -128,7 +131,7 @@ impl<const D: usize> Reached<D> {
             tolerance: model.solver.tolerance,
             next: match (from.own, model.solver.method) {
                 (Some(_), _) => Move::End,
-                (None, Method::Auto | Method::Newton) => Move::Assemble,
+                (None, Method::Auto | Method::Newton) => Move::Whole,
                 _ => Move::Finer(0),
             },
             attempt,
@@ -145,6 +148,10 @@ impl<const D: usize> Reached<D> {
     ) -> Result<bool, Error<D>> {
         loop {
             let (moved, after) = match self.next {
+                Move::Whole => {
+                    let moved = self.make_whole(model, condensed, from, observe)?;
+                    (moved, Move::Assemble)
+                }
                 Move::Assemble => {
                     let moved = self.assemble(model, condensed, from, observe)?;
                     (moved, Move::Increment)
@@ -168,6 +175,37 @@ impl<const D: usize> Reached<D> {
         }
     }
 
+    /// Where Newton's method has no answer with bodies in pieces, or none in the time of wholes: once more with wholes.
+    fn make_whole(
+        &mut self,
+        model: &Model<D>,
+        condensed: &mut Condensed<D>,
+        from: Start<'_>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<bool, Error<D>> {
+        if !self.attempt.is_unfinished() || !make_whole(model, condensed, observe)? {
+            return Ok(false);
+        }
+        self.once_more(model, condensed, from, observe)?;
+        Ok(true)
+    }
+
+    /// Newton's method once more on the changed problem.
+    fn once_more(
+        &mut self,
+        model: &Model<D>,
+        condensed: &Condensed<D>,
+        from: Start<'_>,
+        observe: &mut dyn FnMut(Event),
+    ) -> Result<(), Error<D>> {
+        let done = self.attempt.outcome.iterations;
+        let how = (model.solver.method, self.tolerance, done);
+        let further = run_method(model, condensed, how, from.guess, observe)?;
+        self.attempt.follow(further);
+        self.judged = judge(model, condensed, &self.attempt.outcome, None)?;
+        Ok(())
+    }
+
     /// Where Newton's method has no answer with an F that is applied: once more with all its entries.
     fn assemble(
         &mut self,
@@ -181,14 +219,7 @@ impl<const D: usize> Reached<D> {
         if !open || !problem.assemble(ASSEMBLED) {
             return Ok(false);
         }
-        let how = (
-            model.solver.method,
-            self.tolerance,
-            self.attempt.outcome.iterations,
-        );
-        let further = run_method(model, condensed, how, from.guess, observe)?;
-        self.attempt.follow(further);
-        self.judged = judge(model, condensed, &self.attempt.outcome, None)?;
+        self.once_more(model, condensed, from, observe)?;
         Ok(true)
     }
 

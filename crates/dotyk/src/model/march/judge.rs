@@ -7,6 +7,7 @@
 use crate::contact::{Coupling, Row};
 use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed};
 use crate::geometry::{Point, distance, dot};
+use crate::host::in_order;
 use crate::linalg::SparseVector;
 use crate::model::march::between::{
     Overlap, held_overlap, left_overlap, smallest_gap, sunk, worst_overlap,
@@ -195,8 +196,7 @@ fn displaced<const D: usize>(
         let scales = problem.domain_scales(of_parts[index]);
         balanced_state(model, body, loaded, factored, parts, lambda, scales)
     });
-    let states = states.collect::<Result<Vec<_>, _>>()?;
-    let (states, mut strained): (Vec<_>, Vec<_>) = states.into_iter().unzip();
+    let (states, mut strained): (Vec<_>, Vec<_>) = in_order(states)?.into_iter().unzip();
     strained.extend(of_rigid);
     // rigid motions first: they may cancel a clearance that is large beside the strains
     let mut clearances = condensed.gaps.clone();

@@ -22,7 +22,7 @@ use crate::model::nouns::told::told_once;
 use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
-use crate::model::system::condense::{Condensed, linearise};
+use crate::model::system::condense::{Condensed, Purpose, linearise};
 use crate::model::system::condition::{Condition, contact_rows, row_ranges};
 use crate::model::system::filling::{Filling, Moves};
 use crate::model::system::state::State;
@@ -65,9 +65,13 @@ pub(crate) fn solve_steps<const D: usize>(
     observe: &mut dyn FnMut(Event),
 ) -> Result<Vec<Solution<D>>, Error<D>> {
     check_past(model, given.past)?;
+    let purpose = match given.own {
+        Some(_) => Purpose::others(DENSE_LIMIT),
+        None => Purpose::ANSWERS,
+    };
     let mut march = March {
         here: reuse.as_mut().and_then(|reuse| reuse.kept.take()),
-        ..March::new(model.is_staged(), DENSE_LIMIT)
+        ..March::new(model.is_staged(), purpose)
     };
     let solved = march.solve(model, given, observe);
     if let Some(reuse) = reuse {
@@ -89,7 +93,7 @@ pub(crate) fn condense_step<const D: usize>(
 ) -> Result<(Stage<'static, D>, Here<D>), Error<D>> {
     check_linear(model)?;
     let staged = model.is_staged() || model.has_stage_at(time);
-    let mut march = March::new(staged, dense_limit);
+    let mut march = March::new(staged, Purpose::others(dense_limit));
     let smooth = |law: &Law| matches!(law, Law::Frictionless | Law::Tied);
     let rough = !model.contacts.iter().all(|contact| smooth(&contact.law));
     let mut earlier = model.clone();
@@ -131,19 +135,19 @@ struct March<'m, const D: usize> {
     /// The stage that is there now.
     stage: Option<Stage<'m, D>>,
     here: Option<Here<D>>,
-    dense_limit: usize,
+    purpose: Purpose,
     /// Parts come and go between the steps of the whole model.
     staged: bool,
 }
 
 impl<'m, const D: usize> March<'m, D> {
-    fn new(staged: bool, dense_limit: usize) -> Self {
+    fn new(staged: bool, purpose: Purpose) -> Self {
         Self {
             done: Vec::new(),
             state: None,
             stage: None,
             here: None,
-            dense_limit,
+            purpose,
             staged,
         }
     }
@@ -270,7 +274,7 @@ impl<'m, const D: usize> March<'m, D> {
             Some(view) => view.of_same(stage, conditions),
             None => View::new(stage, conditions),
         };
-        linearise(stage, from, (before, self.dense_limit), look, observe)
+        linearise(stage, from, (before, self.purpose), look, observe)
     }
 }
 

@@ -7,6 +7,7 @@ use crate::fem::{
     recover_yielded, recover_yielded_stress, von_mises,
 };
 use crate::geometry::{Point, add_scaled, bounding_box, centroid, cross, distance, dot, norm, sub};
+use crate::host::in_order;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::ids::SideRef;
 use crate::model::nouns::model::{Analysis, Body, Model, Place, Support};
@@ -88,7 +89,7 @@ pub(crate) fn fields<const D: usize>(
         let time = condensed.time;
         body_solution((model, time), (body, loaded, before), state, others)
     });
-    Ok((bodies.collect::<Result<Vec<_>, _>>()?, contacts, beds))
+    Ok((in_order(bodies)?, contacts, beds))
 }
 
 /// Pressure of the water in the pores of a body at a time, by place.

@@ -95,11 +95,17 @@ pub(crate) struct GluedBodies {
     /// BR.
     motions: Vec<Vec<(usize, f64)>>,
     boundary: BoundaryStiffness,
+    /// Products that cost as much as wholes.
+    enough: usize,
 }
 
 impl GluedBodies {
-    /// `None` where all touched bodies are whole.
-    pub fn new(compliant: &CompliantBodies, boundary: &BoundaryStiffness) -> Option<Self> {
+    /// `None` where all touched bodies are whole; `enough` products cost as much as wholes.
+    pub fn new(
+        compliant: &CompliantBodies,
+        boundary: &BoundaryStiffness,
+        enough: usize,
+    ) -> Option<Self> {
         let (mut glue, mut modes) = (0, 0);
         let mut motions = vec![Vec::new(); compliant.len];
         let place = |(inverse, rows): &(Arc<Inverse>, Arc<BodyRows>)| {
@@ -124,6 +130,7 @@ impl GluedBodies {
             modes,
             motions,
             boundary: boundary.clone(),
+            enough,
         })
     }
 
@@ -220,6 +227,10 @@ impl Glue for GluedBodies {
         let (parts, of_bodies): (Vec<_>, Vec<_>) = moved.collect::<Vec<_>>().into_iter().unzip();
         scatter(self.bodies.iter().map(|body| &*body.1), &parts, product);
         jumps.copy_from_slice(&of_bodies.concat());
+    }
+
+    fn enough(&self) -> usize {
+        self.enough
     }
 
     fn keep(&self, lambda: &[f64], t: &[f64]) {

@@ -6,6 +6,7 @@
 use crate::contact::Row;
 use crate::fem::{ALONG, BodySystem, History, assemble_after, largest_coefficient};
 use crate::geometry::{Point, add_scaled, dot, norm};
+use crate::host::in_order;
 use crate::linalg::SparseMatrix;
 use crate::mesh::Count;
 use crate::model::nouns::error::Error;
@@ -113,7 +114,7 @@ pub(crate) fn systems<const D: usize>(
         system.map_err(|source| Error::in_body(body, source))
     };
     let bodies = (&model.bodies, before, histories, pieces(model)).into_par_iter();
-    let mut systems = bodies.map(system).collect::<Result<Vec<_>, _>>()?;
+    let mut systems = in_order(bodies.map(system))?;
     systems.extend(rigid_systems(model, time)?);
     Ok(systems)
 }

@@ -76,18 +76,19 @@ pub(crate) fn pays(m: usize, ordered: &[Arc<Ordered>]) -> bool {
     (m as f64).powi(3) <= CUBES_PER_ENTRY * entries as f64
 }
 
-/// F of all bodies: (m, m), assembled where `dense`; without its zeros where these are most of it, and then body by body, too.
+/// F of all bodies: (m, m), assembled where `dense`; without its zeros where these are most of it, and then body by body, too. If it is
+/// applied `enough` times, that costs as much as another way to the answer.
 pub(crate) fn compliance<const D: usize>(
     bodies: &[LoadedBody<D>],
     factored: &[FactoredBody],
     ordered: &[Arc<Ordered>],
     m: usize,
-    dense: bool,
+    (dense, enough): (bool, usize),
 ) -> (Compliance, Vec<Part>) {
     if !dense {
         let apply = CompliantBodies::new(m, bodies, factored);
         let preconditioner = BoundaryStiffness::new(m, bodies, factored, ordered);
-        let glue = GluedBodies::new(&apply, &preconditioner);
+        let glue = GluedBodies::new(&apply, &preconditioner, enough);
         let operator = Compliance::Operator {
             apply: Box::new(apply),
             preconditioner: Box::new(preconditioner),

@@ -11,8 +11,10 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
-use crate::dual::DualProblem;
+use crate::dual::{Compliance, DualProblem};
 use crate::fem::{BodySystem, Constraints, Part};
+use crate::host::in_order;
+use crate::linalg::Mat;
 use crate::mesh::Count;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::{Event, Lap, Work};
@@ -23,7 +25,7 @@ use crate::model::system::admissible::{admissible_set, neighbours};
 use crate::model::system::bodies::{
     BodyRows, LoadedBody, body_rows, least_softness, systems, turn_to_forces,
 };
-use crate::model::system::compliance::{Assembled, compliance, is_assembled, pays};
+use crate::model::system::compliance::{Assembled, DENSE_LIMIT, compliance, is_assembled, pays};
 use crate::model::system::condition::{Condition, initial_gaps};
 use crate::model::system::conditions::all_conditions;
 use crate::model::system::domains::{coupled, whole};
@@ -33,7 +35,9 @@ use crate::model::system::floating::Floating;
 use crate::model::system::joints::restore;
 use crate::model::system::key::{same_conditions, same_stiffness};
 use crate::model::system::memory::{self, Demand};
-use crate::model::system::pieces::{DIVISIBLE, of_moderate_size, pieces};
+use crate::model::system::pieces::{
+    DIVISIBLE, fewest_entries, of_moderate_size, pieces, products_as_dear,
+};
 use crate::model::system::state::{AllYielded, State};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -54,6 +58,8 @@ pub(crate) struct Condensed<const D: usize> {
     pub problem: DualProblem,
     /// Warnings about conditions that were dropped.
     pub dropped: Vec<String>,
+    /// Nodes of each part that other stages touch.
+    lasting: Vec<Vec<usize>>,
     /// Spent so far, earlier steps included.
     pub seconds: Seconds,
     pub time: f64,
@@ -61,8 +67,35 @@ pub(crate) struct Condensed<const D: usize> {
     part: Option<Part>,
     /// The state from which it goes on.
     pub state: Arc<State<D>>,
+    /// Products with F that cost as much as wholes, where bodies are in pieces for the time that this saves.
+    dear: Option<usize>,
     /// The model of which its parts and conditions were made.
     made_of: Model<D>,
+}
+
+/// What a dual problem is made for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Purpose {
+    /// Most assembled unknowns.
+    pub dense_limit: usize,
+    /// An answer by few products with F: bodies may be divided for the time that this saves.
+    pub few_products: bool,
+}
+
+impl Purpose {
+    /// Answers of the model's own method.
+    pub const ANSWERS: Self = Self {
+        dense_limit: DENSE_LIMIT,
+        few_products: true,
+    };
+
+    /// Any other one.
+    pub const fn others(dense_limit: usize) -> Self {
+        Self {
+            dense_limit,
+            few_products: false,
+        }
+    }
 }
 
 /// The bodies of a model at one time with their contacts paired, not yet condensed.
@@ -78,17 +111,18 @@ struct Connected<const D: usize> {
     seconds: Seconds,
     time: f64,
     state: Arc<State<D>>,
+    /// As in [`Condensed`], of bodies that have been before.
+    dear: Option<usize>,
 }
 
-/// The dual problem of a stage at a time, from a state, with at most `dense_limit` assembled unknowns; layers equal to those of `before`
-/// are reused. `look` is called with the conditions, and whether they are those of `before`, before the factorisation.
+/// The dual problem of a stage at a time, from a state, for a purpose; layers equal to those of `before` are reused. `look` is called with the conditions, and whether they are those of `before`, before the factorisation.
 ///
 /// Errors: bodies or contacts that cannot be assembled, paired or factored; values that are not finite; too little memory; a floating
 /// body that no contact can hold; an invalid law; those of `look`.
 pub(crate) fn linearise<const D: usize, V>(
     stage: &Stage<'_, D>,
     (time, state): (f64, Arc<State<D>>),
-    (before, dense_limit): (Option<Condensed<D>>, usize),
+    (before, purpose): (Option<Condensed<D>>, Purpose),
     look: impl FnOnce(&[Condition<D>], bool) -> Result<V, Error<D>>,
     observe: &mut dyn FnMut(Event),
 ) -> Result<(Condensed<D>, V), Error<D>> {
@@ -107,7 +141,7 @@ pub(crate) fn linearise<const D: usize, V>(
         before => {
             let connected = connect(stage, (time, state), before, observe)?;
             let seen = look(&connected.conditions, false)?;
-            let condensed = connected.condense(model, dense_limit, observe)?;
+            let condensed = connected.condense(model, purpose, observe)?;
             Ok((condensed, seen))
         }
     }
@@ -124,6 +158,7 @@ fn connect<const D: usize>(
 ) -> Result<Connected<D>, Error<D>> {
     let model = stage.model.as_ref();
     let mut seconds = before.as_ref().map_or(Seconds::default(), |b| b.seconds);
+    let dear = before.as_ref().and_then(|before| before.dear);
     let mut lap = Lap::start();
     observe(Event::Stage("assemble"));
     let (before, kept) = going_on(model, before, state.goes_on());
@@ -145,6 +180,7 @@ fn connect<const D: usize>(
         seconds,
         time,
         state,
+        dear,
     })
 }
 
@@ -201,13 +237,13 @@ impl<const D: usize> Condensed<D> {
 }
 
 impl<const D: usize> Connected<D> {
-    /// The dual problem, of at most `dense_limit` assembled unknowns.
+    /// The dual problem, for a purpose.
     ///
     /// Errors: too little memory; a body that cannot be factored; a floating body that no contact can hold; an invalid law.
     fn condense(
         self,
         model: &Model<D>,
-        dense_limit: usize,
+        purpose: Purpose,
         observe: &mut dyn FnMut(Event),
     ) -> Result<Condensed<D>, Error<D>> {
         let Self {
@@ -229,7 +265,8 @@ impl<const D: usize> Connected<D> {
             kept: &self.kept,
             lasting: &self.lasting,
         };
-        let (ordered, dense) = ordered(model, of_bodies, &conditions, dense_limit)?;
+        let (orders, dear) = ordered(model, of_bodies, &conditions, (purpose, self.dear))?;
+        let Orders { ordered, dense } = orders;
         seconds.order += lap.seconds();
         observe(Event::Stage("factor"));
         let loaded = systems
@@ -244,7 +281,8 @@ impl<const D: usize> Connected<D> {
         let factored = factor_bodies(model, &bodies, &ordered, (factors, &work))?;
         seconds.factor += lap.seconds();
         observe(Event::Stage("condense"));
-        let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), dense);
+        let how = (dense, dear.unwrap_or(usize::MAX));
+        let (compliance, parts) = compliance(&bodies, &factored, &ordered, gaps.len(), how);
         let floating = Floating::new(model, &bodies, &conditions)?;
         let balance = floating.balance.clone();
         let admissible = admissible_set(model, &conditions, time)?;
@@ -267,10 +305,12 @@ impl<const D: usize> Connected<D> {
             floating,
             problem,
             dropped,
+            lasting: self.lasting,
             seconds,
             time,
             part: None,
             state,
+            dear,
             made_of: model.clone(),
         })
     }
@@ -310,38 +350,54 @@ impl<const D: usize> OfBodies<'_, D> {
     }
 }
 
-/// The orders of all bodies, and whether F is assembled. Where nothing else is asked for, bodies are divided that are too large or need
-/// too much memory as wholes.
+/// The orders of all bodies, and whether F is assembled.
+struct Orders {
+    ordered: Vec<Arc<Ordered>>,
+    dense: bool,
+}
+
+/// The orders of all bodies. Where nothing else is asked for, bodies are divided that are too large or need too much memory as wholes;
+/// and for few products with F also where wholes take more time: then with the number of products that cost as much, which is
+/// `known` of bodies that have been before.
 ///
 /// Errors: those of the orders; too little memory.
 fn ordered<const D: usize>(
     model: &Model<D>,
     of: OfBodies<'_, D>,
     conditions: &[Condition<D>],
-    dense_limit: usize,
-) -> Result<(Vec<Arc<Ordered>>, bool), Error<D>> {
-    let divided = || {
-        let pieces = of_moderate_size(model, DIVISIBLE)?;
-        Some(ordered_in(&pieces, model, of, conditions, dense_limit))
-    };
+    (purpose, known): (Purpose, Option<usize>),
+) -> Result<(Orders, Option<usize>), Error<D>> {
+    let in_pieces =
+        |pieces: &[Option<Count>]| ordered_in(pieces, model, of, conditions, purpose.dense_limit);
+    let divided = || of_moderate_size(model, DIVISIBLE).map(|pieces| in_pieces(&pieces));
     let as_asked = pieces(model);
-    // a body that had to be divided before
-    let of_need = |(kept, asked): (&Option<Factored>, &Option<Count>)| {
+    // a body that was divided before
+    let again = |(kept, asked): (&Option<Factored>, &Option<Count>)| {
         let divided = kept.as_ref().and_then(|(ordered, _)| ordered.divided());
         divided.is_some() && asked.is_none()
     };
-    if of.kept.iter().zip(&as_asked).any(of_need)
+    if of.kept.iter().zip(&as_asked).any(again)
         && let Some(again) = divided()
     {
-        return again;
+        return Ok((again?, known));
     }
-    match ordered_in(&as_asked, model, of, conditions, dense_limit) {
-        Err(error @ (Error::TooLarge { .. } | Error::Memory { .. })) => match divided() {
-            Some(found) => found.map_err(|_| error),
-            None => Err(error),
-        },
-        found => found,
-    }
+    let wholes = match in_pieces(&as_asked) {
+        Err(error @ (Error::TooLarge { .. } | Error::Memory { .. })) => {
+            let divided = divided().and_then(Result::ok).ok_or(error)?;
+            return Ok((divided, None));
+        }
+        found => found?,
+    };
+    let new = purpose.few_products && of.kept.iter().all(Option::is_none);
+    let operations = wholes.ordered.iter().map(|order| order.operations()).sum();
+    let dear = |entries: f64| products_as_dear(model, operations, entries).filter(|_| new);
+    // pieces are only made where they may be worth it
+    let divided = dear(fewest_entries(model)).and_then(|_| divided()?.ok());
+    let chosen = divided.and_then(|divided| {
+        let entries: usize = divided.ordered.iter().map(|order| order.stored()).sum();
+        Some((divided, Some(dear(entries as f64)?)))
+    });
+    Ok(chosen.unwrap_or((wholes, None)))
 }
 
 /// The same of bodies in so many pieces each. Problems that do not fit the memory are refused; an F that would pay to assemble, but does
@@ -352,16 +408,16 @@ fn ordered_in<const D: usize>(
     of: OfBodies<'_, D>,
     conditions: &[Condition<D>],
     dense_limit: usize,
-) -> Result<(Vec<Arc<Ordered>>, bool), Error<D>> {
+) -> Result<Orders, Error<D>> {
     let m = conditions.iter().map(|p| p.interface.nonmortar.len()).sum();
     let rough = |p: &Condition<D>| p.slides().contains(&true);
     let rough = conditions.iter().any(rough);
     let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
     let all = |dense| {
         let each = (0..of.systems.len()).into_par_iter();
-        let ordered =
-            each.map(|body| of.order(model, body, (dense, pieces.get(body).copied().flatten())));
-        ordered.collect::<Result<Vec<_>, _>>()
+        in_order(
+            each.map(|body| of.order(model, body, (dense, pieces.get(body).copied().flatten()))),
+        )
     };
     let fits = |ordered: &[Arc<Ordered>], dense| {
         let each = of.systems.iter().zip(of.rows).zip(ordered);
@@ -388,11 +444,17 @@ fn ordered_in<const D: usize>(
     if assembled == Assembled::IfCheaper && pays(m, &orders) {
         let last = all(true)?;
         if fits(&last, true).is_ok() {
-            return Ok((last, true));
+            return Ok(Orders {
+                ordered: last,
+                dense: true,
+            });
         }
     }
     fits(&orders, dense)?;
-    Ok((orders, dense))
+    Ok(Orders {
+        ordered: orders,
+        dense,
+    })
 }
 
 /// Factors of bodies whose order is unchanged.
@@ -444,6 +506,40 @@ pub(crate) fn go_part<const D: usize>(
     let before = here.state.time();
     here.part = share.map(|share| Part { before, share });
     drive(model, here, &mut |_| {})
+}
+
+/// The same step with whole bodies, where they are in pieces for the time that this saves; `false` where they are not.
+///
+/// Errors: those of the step itself.
+pub(crate) fn make_whole<const D: usize>(
+    model: &Model<D>,
+    here: &mut Condensed<D>,
+    observe: &mut dyn FnMut(Event),
+) -> Result<bool, Error<D>> {
+    if here.dear.is_none() {
+        return Ok(false);
+    }
+    // the factors of the pieces go before those of the wholes come
+    here.problem.compliance = Compliance::Dense(Mat::zeros(0, 0));
+    here.factored.clear();
+    let bodies = take(&mut here.bodies).into_iter();
+    let connected = Connected {
+        systems: bodies.map(|body| body.system).collect(),
+        conditions: take(&mut here.conditions),
+        gaps: take(&mut here.gaps),
+        dropped: take(&mut here.dropped),
+        lasting: take(&mut here.lasting),
+        kept: Vec::new(),
+        seconds: here.seconds,
+        time: here.time,
+        state: Arc::clone(&here.state),
+        dear: None,
+    };
+    let part = here.part;
+    *here = connected.condense(model, Purpose::others(DENSE_LIMIT), observe)?;
+    here.part = part;
+    drive(model, here, observe)?;
+    Ok(true)
 }
 
 /// Gives the bodies the plastic strains whose load they carry.
@@ -511,14 +607,14 @@ fn factor_bodies<const D: usize>(
     (factors, work): (Vec<Option<Arc<Inverse>>>, &Work),
 ) -> Result<Vec<FactoredBody>, Error<D>> {
     let each = (bodies, ordered, factors).into_par_iter().enumerate();
-    each.map(|(index, (body, ordered, before))| {
+    let factored = each.map(|(index, (body, ordered, before))| {
         let factor = match before {
             Some(factor) => factor,
             None => Arc::new(factor(model, index, &body.system, ordered, work)?),
         };
         Ok(FactoredBody::new(body, factor))
-    })
-    .collect()
+    });
+    in_order(factored)
 }
 
 /// The gaps g₀ of a step that begins with a slip, (m,): friction counts the slip from there.
@@ -556,4 +652,79 @@ fn overlap<const D: usize>(
         overlap.fill(0.0);
     }
     overlap
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Field;
+    use crate::mesh::{CellKind, Cuboid};
+    use crate::model::nouns::model::{Elastic, Law, Subdomains};
+    use crate::solve::{ContactSolver, Newton, SolveError};
+    use std::ops::ControlFlow;
+
+    /// A block on a larger one, which is held below; the upper one is pressed down and aside.
+    fn blocks() -> Model<3> {
+        let block = |from: [f64; 3], to: [f64; 3], cells: [usize; 3]| {
+            let cuboid = Cuboid {
+                from,
+                to,
+                cells,
+                cell: CellKind::Hex8,
+            };
+            cuboid.build().unwrap()
+        };
+        let steel = Elastic {
+            young: 1000.0,
+            poisson: 0.3,
+        };
+        let mut model = Model::new();
+        let lower = block([0.0, 0.0, 0.0], [2.0, 2.0, 1.0], [6, 6, 3]);
+        let lower = model.body("lower", lower, steel);
+        model.fix(lower, "bottom", [Some(0.0); 3]);
+        let upper = block([0.4, 0.4, 1.0], [1.6, 1.6, 2.0], [4, 5, 4]);
+        let upper = model.body("upper", upper, steel);
+        model.fix(upper, "top", [Some(0.004), Some(0.0), Some(-0.02)]);
+        model.contact((upper, "bottom"), (lower, "top"));
+        model
+    }
+
+    fn condensed(model: &Model<3>, before: Option<Condensed<3>>) -> Condensed<3> {
+        let stage = Stage::whole(model);
+        let from = (1.0, Arc::new(State::new(model, 1.0, false)));
+        let how = (before, Purpose::ANSWERS);
+        let made = linearise(&stage, from, how, |_, _| Ok(()), &mut |_| {});
+        made.unwrap().0
+    }
+
+    fn forces(here: &Condensed<3>) -> Result<Vec<f64>, SolveError> {
+        let solved =
+            Newton::default().solve(&here.problem, None, &mut |_| ControlFlow::Continue(()));
+        solved.map(|outcome| outcome.multipliers.lambda)
+    }
+
+    #[test]
+    fn pieces_that_take_longer_than_wholes_give_way_to_these() {
+        let mut model = blocks();
+        model.solver.subdomains = Subdomains::Parts(4);
+        let mut before = condensed(&model, None);
+        assert!(before.ordered.iter().all(|order| order.divided().is_some()));
+        assert!(!make_whole(&model, &mut before, &mut |_| {}).unwrap());
+        // as if their number had been chosen for the time that it saves
+        model.solver.subdomains = Subdomains::Auto;
+        before.dear = Some(2);
+        model.contacts[0].law = Law::Coulomb(Field::constant(0.3));
+        let whole = forces(&condensed(&model, None)).unwrap();
+        let mut here = condensed(&model, Some(before));
+        assert!(here.ordered.iter().all(|order| order.divided().is_some()));
+        assert_eq!(here.problem.compliance.enough(), 2);
+        assert!(matches!(
+            forces(&here),
+            Err(SolveError::NotConverged { .. })
+        ));
+        assert!(make_whole(&model, &mut here, &mut |_| {}).unwrap());
+        assert!(here.ordered.iter().all(|order| order.divided().is_none()));
+        assert_eq!(forces(&here).unwrap(), whole);
+        assert!(!make_whole(&model, &mut here, &mut |_| {}).unwrap());
+    }
 }

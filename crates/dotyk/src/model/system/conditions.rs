@@ -2,6 +2,7 @@
 //! others, then bolts.
 
 use crate::fem::Constraints;
+use crate::host::in_order;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::presence::Stage;
@@ -28,7 +29,7 @@ pub(crate) fn all_conditions<const D: usize>(
     let parts = Parts::of(model);
     let contacts = (0..model.contacts.len()).into_par_iter();
     let contacts = contacts.map(|index| touching((model, &parts), constraints, index, time));
-    let mut conditions = contacts.collect::<Result<Vec<_>, _>>()?;
+    let mut conditions = in_order(contacts)?;
     let laid = lay_members(model)?;
     for (part, owner) in parts.iter() {
         conditions.push(match owner {

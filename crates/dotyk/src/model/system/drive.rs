@@ -2,6 +2,7 @@
 
 use crate::fem::{BodySystem, Constraints, Part};
 use crate::geometry::norm;
+use crate::host::in_order;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::system::bodies::LoadedBody;
@@ -27,16 +28,13 @@ pub(crate) fn driven<const D: usize>(
 ) -> Result<(Vec<LoadedBody<D>>, Vec<Condition<D>>), Error<D>> {
     let mut rigid = bodies;
     let bodies = rigid.drain(..model.bodies.len()).collect::<Vec<_>>();
-    let (mut systems, mut rows): (Vec<_>, Vec<_>) = (&model.bodies, bodies)
-        .into_par_iter()
-        .map(|(body, loaded)| {
-            let system = loaded.system.at_part(body, model.analysis, time, part);
-            let system = system.map_err(|source| Error::in_body(body, source))?;
-            Ok((system, loaded.rows))
-        })
-        .collect::<Result<Vec<_>, _>>()?
-        .into_iter()
-        .unzip();
+    let each = (&model.bodies, bodies).into_par_iter();
+    let each = each.map(|(body, loaded)| {
+        let system = loaded.system.at_part(body, model.analysis, time, part);
+        let system = system.map_err(|source| Error::in_body(body, source))?;
+        Ok((system, loaded.rows))
+    });
+    let (mut systems, mut rows): (Vec<_>, Vec<_>) = in_order(each)?.into_iter().unzip();
     let mut of_rigid = rigid_systems(model, time)?;
     if let Some(part) = part {
         let before = part.before.map(|time| rigid_systems(model, time));

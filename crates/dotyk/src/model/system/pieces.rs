@@ -2,7 +2,7 @@
 
 use crate::host::processes;
 use crate::mesh::Count;
-use crate::model::nouns::model::{Method, Model, Subdomains};
+use crate::model::nouns::model::{Body, Method, Model, Subdomains};
 
 /// The number of pieces of every body, as the model asks for them; none where it stays whole.
 ///
@@ -47,6 +47,44 @@ pub(crate) const DIVISIBLE: [f64; 2] = [30_000.0, 300.0];
 /// of 200, 11.9 s of 260 and 12.1 s of 400.
 const MODERATE: [f64; 2] = [20_000.0, 200.0];
 
+/// Operations of the factor of a whole that take as long as an entry of the factors of pieces takes in a product with F: blocks in space
+/// of 80 000 to 350 000 unknowns, on one thread and two.
+const ENTRY: f64 = 150.0;
+
+/// What comes before the first product, in products.
+const BEFORE: f64 = 15.0;
+
+/// Products with F that an answer takes for which pieces are tried: flat contacts take 40, a ball on a block 290.
+const FEWEST: f64 = 100.0;
+
+/// How many products with F of bodies in pieces whose factors have so many `entries` take as long as factors of so many `operations`, in
+/// each load step; `None` if wholes are expected to take less time. Yielding and gaskets ask for many answers in a step.
+pub(crate) fn products_as_dear<const D: usize>(
+    model: &Model<D>,
+    operations: f64,
+    entries: f64,
+) -> Option<usize> {
+    let gasket = model
+        .contacts
+        .iter()
+        .any(|contact| contact.gasket.is_some());
+    if gasket || model.bodies.iter().any(Body::is_plastic) {
+        return None;
+    }
+    let steps = model.times.len().max(1) as f64;
+    let products = (operations / (ENTRY * entries) - BEFORE) / steps;
+    (products >= FEWEST).then_some(products as usize)
+}
+
+/// Entries of the factors of pieces for each unknown, of blocks of hexahedra, which have few.
+const ENTRIES: f64 = 220.0;
+
+/// About as few entries as the factors of pieces of all bodies can have.
+pub(crate) fn fewest_entries<const D: usize>(model: &Model<D>) -> f64 {
+    let all = (0..model.bodies.len()).map(|body| unknowns(model, body));
+    ENTRIES * all.sum::<f64>()
+}
+
 /// Pieces of moderate size of bodies that have at least so many unknowns; `None` if none has, or where something else is asked for.
 pub(crate) fn of_moderate_size<const D: usize>(
     model: &Model<D>,
@@ -63,4 +101,38 @@ pub(crate) fn of_moderate_size<const D: usize>(
     };
     let counts: Vec<_> = (0..model.bodies.len()).map(of_body).collect();
     counts.iter().any(Option::is_some).then_some(counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{CellKind, Diagonals, Rectangle};
+    use crate::model::nouns::model::Elastic;
+
+    #[test]
+    fn wholes_are_dear_where_their_factor_costs_a_hundred_products_in_each_step() {
+        let rectangle = Rectangle {
+            from: [0.0, 0.0],
+            to: [1.0, 1.0],
+            cells: [4, 4],
+            cell: CellKind::Quad4,
+            diagonals: Diagonals::default(),
+        };
+        let steel = Elastic {
+            young: 210e3,
+            poisson: 0.3,
+        };
+        let mut model = Model::<2>::new();
+        model.body("plate", rectangle.build().unwrap(), steel);
+        let entries = fewest_entries(&model);
+        assert_eq!(entries, 220.0 * 50.0);
+        let dear = |model: &Model<2>, products: f64| {
+            products_as_dear(model, ENTRY * entries * (BEFORE + products), entries)
+        };
+        assert_eq!(dear(&model, 99.0), None);
+        assert_eq!(dear(&model, 150.5), Some(150));
+        model.times = vec![1.0, 2.0];
+        assert_eq!(dear(&model, 150.5), None);
+        assert_eq!(dear(&model, 401.0), Some(200));
+    }
 }
