@@ -152,6 +152,19 @@ pub enum ContactError {
         /// The bodies.
         bodies: [String; 2],
     },
+    /// Supports move the two sides of a tie apart.
+    #[error(
+        "its sides are tied, but supports move {} and {} there by {distance:.3e} against each other, at {point}: no force of a tie can change that; give both supports the same displacement, or one of them alone, or leave the place out (`exclude`)",
+        .bodies[0], .bodies[1]
+    )]
+    MovedApart {
+        /// The bodies.
+        bodies: [String; 2],
+        /// Where.
+        point: String,
+        /// By how much.
+        distance: f64,
+    },
     /// Another body stands between two sides.
     #[error(
         "between {} and {} another body stands wherever they face each other, {by}: a contact does not act through a body; name what each of them touches, or give the body between `active`",

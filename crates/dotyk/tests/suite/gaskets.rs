@@ -333,3 +333,28 @@ fn at_a_corner_each_face_has_its_own_closure() {
         }
     }
 }
+
+/// Blocks that are drawn touching, on meshes whose facets are shorter than the gasket closes.
+#[test]
+fn one_closes_by_more_than_a_facet() {
+    for (cells, width) in [([6, 4], 1.0), ([4, 3], 1.5), ([2, 3], 0.6)] {
+        let [a, b] = cells;
+        let text = format!(
+            "analysis = \"plane-stress\"\n\
+             [[body]]\nname = \"lower\"\nmesh = {{ rectangle = {{ from = [0, -1], to = [1, 0], cells = [{a}, 4], cell = \"quad8\" }} }}\n\
+             material = {{ young = 1e9, poisson = 0 }}\nfix = [{{ side = \"bottom\", y = 0 }}, {{ side = \"left\", x = 0 }}]\n\
+             [[body]]\nname = \"upper\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [{width}, 1], cells = [{b}, 4], cell = \"quad8\" }} }}\n\
+             material = {{ young = 1e9, poisson = 0 }}\nfix = [{{ side = \"left\", x = 0 }}, {{ side = \"right\", x = 0 }}]\n\
+             load = [{{ side = \"top\", traction = [0, -25] }}]\n\
+             [[contact]]\nname = \"seal\"\nnonmortar = \"upper.bottom\"\nmortar = \"lower.top\"\n\
+             gasket = {{ closure = [0, 1], pressure = [0, 100] }}\n"
+        );
+        let (_, steps) = solved(&text);
+        assert!(steps[0].converged);
+        if width == 1.0 {
+            let [p, gap] = read(&steps[0]);
+            near(p, 25.0, 1e-9);
+            near(gap, -0.25, 1e-6);
+        }
+    }
+}

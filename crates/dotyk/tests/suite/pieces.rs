@@ -271,3 +271,39 @@ fn cells_of_second_degree_and_points_of_sides_need_few_solutions() {
         assert!(solutions < most, "{cell} {kind}: {solutions}");
     }
 }
+
+/// A case file with other pieces than whole ones.
+fn file(name: &str) -> String {
+    let path = format!("{}/../../cases/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn gaskets_between_pieces() {
+    let text = file("gasket-of-a-flange/flange");
+    for pieces in [4, 5, 6] {
+        assert_eq!(agrees(&text, pieces), pieces);
+    }
+}
+
+/// The contact of a single node and a slender beam: the pieces have no answer of the accuracy that is asked for.
+#[test]
+fn pieces_without_an_answer_become_whole() {
+    let text = file("beam-on-obstacle/point_contact");
+    let divided = format!("{text}\n[solver]\nsubdomains = 5\n");
+    let solve = |text: &str| match AnyCase::from_str(text, "pieces.toml", "".as_ref()).unwrap() {
+        AnyCase::Plane(case) => case.model.solve_steps().unwrap(),
+        AnyCase::Space(_) => panic!("a case of the plane"),
+    };
+    let [whole, divided] = [&text, &divided].map(|text| solve(text));
+    same(&whole, &divided);
+    let told = |solution: &Solution<2>| {
+        let mut warnings = solution.warnings.iter();
+        warnings.any(|warning| warning.contains("computed as wholes"))
+    };
+    assert_eq!(
+        told(&divided[0]),
+        divided[0].division.subdomains == divided[0].bodies.len()
+    );
+    assert!(!told(&whole[0]));
+}

@@ -274,3 +274,66 @@ fn what_friction_hardly_lacks_is_no_whole() {
         "friction holds it up to all but 2e-9 of the change of load from t = 0 to t = 2 (t = 2)";
     assert!(told(1.0 - 2e-9, Some([0.0, 2.0])).ends_with(change));
 }
+
+/// A ring that is shrunk on another one and turned: a quarter of it with cyclic symmetry, in steps of any length. The part of the step
+/// that friction is said to hold is that to which the same model has an answer, and not a per cent more.
+#[test]
+fn a_long_step_is_held_as_far_as_a_short_one() {
+    let turned = |last: f64, name: &str| {
+        let [to, cyclic] = match name {
+            "quarter" => [
+                "90",
+                "cyclic = { from = \"start\", to = \"end\", sectors = 4 }",
+            ],
+            _ => ["360", ""],
+        };
+        let cells = if name == "quarter" { 4 } else { 16 };
+        let ring = |inner: u8| {
+            let outer = inner + 1;
+            match name {
+                "quarter" => format!(
+                    "ring = {{ inner = {inner}, outer = {outer}, cells = [{cells}, 2], from = 0, to = {to} }}"
+                ),
+                _ => format!("ring = {{ inner = {inner}, outer = {outer}, cells = [{cells}, 2] }}"),
+            }
+        };
+        let (hub, rim) = (ring(1), ring(2));
+        case(&format!(
+            r#"analysis = "plane-stress"
+[[body]]
+name = "hub"
+mesh = {{ {hub} }}
+material = {{ young = 1000, poisson = 0.3 }}
+fix = [{{ side = "inner", x = 0, y = 0 }}]
+{cyclic}
+[[body]]
+name = "rim"
+mesh = {{ {rim} }}
+material = {{ young = 800, poisson = 0.3 }}
+load = [{{ side = "outer", traction = ["-0.25*max(t-1,0)*sin(atan2(y,x))", "0.25*max(t-1,0)*cos(atan2(y,x))"] }}]
+{cyclic}
+[[contact]]
+name = "fit"
+gap = -0.01
+friction = 0.3
+nonmortar = "rim.inner"
+mortar = "hub.outer"
+[[step]]
+time = 1
+[[step]]
+time = {last}
+"#
+        ))
+    };
+    for name in ["quarter", "ring"] {
+        for last in [2.0, 5.0] {
+            let (_, _, held, step) = slides(&turned(last, name));
+            let [before, now] = step.unwrap();
+            let reached = before + held * (now - before);
+            assert!((1.62..1.67).contains(&reached), "{name} {last}: {reached}");
+            assert!(turned(reached, name).solve_steps().is_ok());
+            let beyond = before + 1.01 * (reached - before);
+            assert!(turned(beyond, name).solve_steps().is_err());
+        }
+    }
+}

@@ -516,3 +516,47 @@ fn what_is_wrong_with_a_dozen_bodies_is_told_once_with_the_worst() {
         [expected(14.2) + " (in 2 steps, here most)"]
     );
 }
+
+/// Supports of both sides of a tie may move them alike, and nowhere apart.
+#[test]
+fn supports_that_tear_a_tie_are_refused() {
+    let tied = |lower: &str, upper: &str, cells: usize| {
+        let text = format!(
+            "analysis = \"plane-stress\"\n\
+             [[body]]\nname = \"lower\"\nmesh = {{ rectangle = {{ from = [0, -1], to = [1, 0], cells = [3, 2], cell = \"quad8\" }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\n\
+             fix = [{{ side = \"bottom\", y = 0 }}, {{ side = \"left\", x = 0 }}, {{ side = \"top\", {lower} }}]\n\
+             [[body]]\nname = \"upper\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [{cells}, 2], cell = \"quad8\" }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\n\
+             fix = [{{ side = \"left\", x = 0 }}, {{ side = \"bottom\", {upper} }}]\n\
+             [[contact]]\nname = \"glue\"\nnonmortar = \"upper.bottom\"\nmortar = \"lower.top\"\ntied = true\n\
+             [[step]]\ntime = 0\n[[step]]\ntime = 1\n"
+        );
+        let case = dotyk::case::Case::<2>::from_str(&text, "tie.toml", "".as_ref());
+        let solved = case.unwrap().model.solve_steps();
+        solved
+            .map(|steps| steps.len())
+            .map_err(|error| error.to_string())
+    };
+    for cells in [2, 3] {
+        for (lower, upper) in [
+            ("y = 0", "y = \"0.01*t\""),
+            ("x = \"t/100\"", "x = 0"),
+            ("y = \"0.01*t\"", "y = \"-0.01*t\""),
+        ] {
+            let told = tied(lower, upper, cells).unwrap_err();
+            assert!(
+                told.contains("\"glue\"") && told.contains("supports move upper and lower"),
+                "{told}"
+            );
+        }
+        // together, turned together, or one side alone
+        for (lower, upper) in [
+            ("y = \"0.01*t\"", "y = \"0.01*t\""),
+            ("y = \"0.1*x*t\"", "y = \"0.1*x*t\""),
+            ("y = \"t/100\"", "x = 0"),
+        ] {
+            assert_eq!(tied(lower, upper, cells), Ok(2), "{lower} {upper}");
+        }
+    }
+}

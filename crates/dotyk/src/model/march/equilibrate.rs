@@ -22,7 +22,7 @@ use crate::model::march::judge::{Judged, judge};
 use crate::model::march::torn::torn;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::Event;
-use crate::model::nouns::model::{Method, Model};
+use crate::model::nouns::model::{Method, Model, Subdomains};
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::{Condensed, again, make_whole};
@@ -91,7 +91,7 @@ pub(crate) fn certified<const D: usize>(
 /// A move on the linear problem; all that come before it lead no further.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Move {
-    /// Newton's method once more, with whole bodies that were in pieces for the time that this saves.
+    /// Newton's method once more, with whole bodies that were in pieces.
     Whole,
     /// Newton's method once more, with all entries of F. A crowd would have too many.
     Assemble,
@@ -149,7 +149,8 @@ impl<const D: usize> Reached<D> {
         loop {
             let (moved, after) = match self.next {
                 Move::Whole => {
-                    let moved = self.make_whole(model, condensed, from, observe)?;
+                    let moved = self.attempt.is_unfinished()
+                        && self.make_whole(model, condensed, from, observe)?;
                     (moved, Move::Assemble)
                 }
                 Move::Assemble => {
@@ -166,7 +167,17 @@ impl<const D: usize> Reached<D> {
                         false => (false, Move::End),
                     }
                 }
-                Move::Finer(_) | Move::End => return Ok(false),
+                // what no other move brings to an answer
+                Move::Finer(_) | Move::End => {
+                    let wrong = excess(&self.judged.certificate) > 1.0;
+                    let moved = wrong
+                        && from.own.is_none()
+                        && self.make_whole(model, condensed, from, observe)?;
+                    if !moved {
+                        return Ok(false);
+                    }
+                    (true, Move::Assemble)
+                }
             };
             self.next = after;
             if moved {
@@ -175,7 +186,7 @@ impl<const D: usize> Reached<D> {
         }
     }
 
-    /// Where Newton's method has no answer with bodies in pieces, or none in the time of wholes: once more with wholes.
+    /// Once more with whole bodies, where they are in pieces: where these give no answer, or none in the time of wholes.
     fn make_whole(
         &mut self,
         model: &Model<D>,
@@ -183,10 +194,16 @@ impl<const D: usize> Reached<D> {
         from: Start<'_>,
         observe: &mut dyn FnMut(Event),
     ) -> Result<bool, Error<D>> {
-        if !self.attempt.is_unfinished() || !make_whole(model, condensed, observe)? {
+        let most = model.solver.max_iterations.unwrap_or(usize::MAX);
+        let spent = self.attempt.outcome.iterations >= most;
+        if spent || !make_whole(model, condensed, observe)? {
             return Ok(false);
         }
         self.once_more(model, condensed, from, observe)?;
+        if self.attempt.failure.is_none() && model.solver.subdomains != Subdomains::Auto {
+            let remark = "in pieces the bodies had no answer: they were computed as wholes";
+            self.attempt.outcome.remarks.push(remark.to_string());
+        }
         Ok(true)
     }
 

@@ -16,13 +16,13 @@
 //!                                                  as bent: facets of second order are looked at as polygons; where no contact
 //!                                                  is named, of hollow ones alone, whose chords lie in what is beside the body
 //!           + s (‖∇u₁‖ + ‖∇u₂‖)                    rotations by angles instead of their sines, over a motion s past each other
-//!           + a given clearance that the meshes lack + rounding
+//!           + a given clearance that the meshes lack, the closure of a gasket + rounding
 //! ```
 //!
 //! The first and the last but one hold at the sides of contacts only. The third is of second order in the displacements, as the
 //! theory is of first: it vanishes for a body that travels without strain. An overlap deeper than the motion since was drawn so.
 //! Overlaps beside excluded nodes, and those that an inactive contact would prevent, have warnings of their own. Where a
-//! clearance is given, overlaps of the meshes within that distance from the sides and their smooth continuations do not count.
+//! clearance is given, or a gasket is pressed, overlaps of the meshes within that distance from the sides and their smooth continuations do not count.
 //! Bodies that meet only at edges have no sides there that a contact could name: such an overlap is as narrow as the motion, and is
 //! ignored as long as the motion is small beside the facets.
 //!
@@ -160,9 +160,11 @@ struct Named<'a, const D: usize> {
     resolved: BTreeMap<usize, f64>,
     /// Closure of a gasket at nodes of the nonmortar side.
     closures: BTreeMap<usize, f64>,
-    /// The largest clearance, if it is given and not measured, and both undeformed sides, nonmortar and mortar, with their smooth
-    /// continuations.
-    given: Option<(f64, [Option<Surrounding<D>>; 2])>,
+    /// The largest clearance, if it is given and not measured.
+    given: f64,
+    /// The same and the largest closure of a gasket, if there is either, and both undeformed sides, nonmortar and mortar, with their
+    /// smooth continuations.
+    around: Option<(f64, [Option<Surrounding<D>>; 2])>,
     /// Nodes of the nonmortar side that are excluded, and those beside them: overlaps there are reported separately.
     out: BTreeSet<usize>,
     /// Nodes of the nonmortar side that meet an obstacle node by node and are not excluded; `None` where conditions are means.
@@ -179,16 +181,18 @@ impl<'a, const D: usize> Named<'a, D> {
     ) -> Self {
         let clearances = condition.interface.nodes.iter().map(|node| node.clearance);
         let side = |side: &SideRef| around(model, skins, side);
-        let given = match contact.gap {
-            Some(Gap::Given(_)) => Some((
-                clearances.fold(0.0, f64::max),
-                [
-                    Some(side(&condition.nonmortar)),
-                    condition.mortar.as_ref().map(side),
-                ],
-            )),
-            _ => None,
+        let is_given = matches!(contact.gap, Some(Gap::Given(_)));
+        let given = if is_given {
+            clearances.fold(0.0, f64::max)
+        } else {
+            0.0
         };
+        let closures = condition.closures(lambda);
+        let closed = closures.values().copied().fold(0.0, f64::max);
+        let around = (is_given || closed > 0.0).then(|| {
+            let mortar = condition.mortar.as_ref().map(side);
+            (given + closed, [Some(side(&condition.nonmortar)), mortar])
+        });
         let nodes = condition.interface.nodes.iter();
         let out = nodes.filter(|node| node.role == Role::Excluded);
         let beside = condition
@@ -217,10 +221,11 @@ impl<'a, const D: usize> Named<'a, D> {
                 condition.mortar.as_ref().map(|side| side.body.0),
             ),
             resolved: resolved(condition, &moved, lambda, |x| shape?.distance(x)),
-            closures: condition.closures(lambda),
+            closures,
             above,
             moved,
             given,
+            around,
         }
     }
 
@@ -245,7 +250,8 @@ impl<'a, const D: usize> Named<'a, D> {
             moved: moved(condition, displaced),
             resolved: BTreeMap::new(),
             closures: BTreeMap::new(),
-            given: Some((passed, sides.map(|side| Some(around(model, skins, side))))),
+            given: passed,
+            around: Some((passed, sides.map(|side| Some(around(model, skins, side))))),
             out: BTreeSet::new(),
             above: None,
         })
@@ -255,14 +261,13 @@ impl<'a, const D: usize> Named<'a, D> {
     fn allows(&self, node: u32) -> Option<f64> {
         let resolved = self.resolved.get(&(node as usize))?;
         let closed = self.closures.get(&(node as usize)).copied().unwrap_or(0.0);
-        let given = self.given.as_ref().map_or(0.0, |given| given.0);
-        Some(BETWEEN_LIMIT * resolved + closed + given)
+        Some(BETWEEN_LIMIT * resolved + closed + self.given)
     }
 
-    /// Whether a clearance is given, and the undeformed point of body `of`, or the one next to it on the other body, lies within the
+    /// Whether a clearance is given, or a gasket lies between, and the undeformed point of body `of`, or the one next to it on the other body, lies within the
     /// clearance from the contact's side of its body or from the continuation of that side.
     fn excuses(&self, of: usize, [own, other]: [Point<D>; 2]) -> bool {
-        let Some((clearance, [nonmortar, mortar])) = &self.given else {
+        let Some((clearance, [nonmortar, mortar])) = &self.around else {
             return false;
         };
         let (of_own, of_other) = match self.bodies.0 == of {

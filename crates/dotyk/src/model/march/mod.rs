@@ -2,6 +2,7 @@
 
 pub mod attempt;
 pub mod between;
+pub mod borne;
 pub mod equilibrate;
 pub mod finish;
 pub mod flow;

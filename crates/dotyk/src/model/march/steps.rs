@@ -4,6 +4,7 @@ use crate::contact::ContactError;
 use crate::dual::Multipliers;
 use crate::fem::FemError;
 use crate::model::march::attempt::Start;
+use crate::model::march::borne::hold_to;
 use crate::model::march::equilibrate::equilibrate;
 use crate::model::march::finish::{finish, tell};
 use crate::model::march::judge::Judged;
@@ -358,7 +359,10 @@ fn solve_step<const D: usize>(
     let from = Start { own, guess };
     observe(Event::Stage("contact"));
     let mut lap = Lap::start();
-    let (attempt, mut judged, parted) = equilibrate(model, condensed, from, observe)?;
+    let (mut attempt, mut judged, parted) = equilibrate(model, condensed, from, observe)?;
+    if own.is_none() {
+        hold_to(model, condensed, attempt.failure.as_mut(), from)?;
+    }
     condensed.seconds.contact += lap.seconds();
     observe(Event::Stage("recover"));
     if attempt.failure.is_none() {

@@ -16,6 +16,7 @@ use crate::model::system::gasket::fill;
 use crate::model::system::joints::{Lost, restore, set_offsets};
 use crate::model::system::parts::rigid_systems;
 use crate::model::system::shared::share_nodes;
+use crate::model::system::tied::agree_with_supports;
 use rayon::prelude::*;
 
 /// Bodies and conditions with the loads, prescribed displacements and gaps of another time. With `part` the loads and prescribed
@@ -55,6 +56,7 @@ pub(crate) fn driven<const D: usize>(
     bodies.extend(links);
     let constraints: Vec<&Constraints<D>> = bodies.iter().map(|b| &b.system.constraints).collect();
     take_gaps(model, &constraints, &mut conditions, time)?;
+    agree_with_supports(model, &constraints, &conditions)?;
     Ok((bodies, conditions))
 }
 
@@ -68,7 +70,7 @@ pub(crate) type States<'a, 's> = dyn Fn(&str) -> Before<'s> + 'a;
 /// implied by others, and adds the offset forces of joints and members to the loads, at a time; `before` gives the states of joints and
 /// gaskets by the names of contacts. Returns warnings about dropped conditions.
 ///
-/// Errors: those of [`set_offsets`] and [`fill`].
+/// Errors: those of [`agree_with_supports`], [`set_offsets`] and [`fill`].
 pub(crate) fn complete<'s, const D: usize>(
     model: &Model<D>,
     systems: &mut Vec<BodySystem<D>>,
@@ -80,6 +82,8 @@ pub(crate) fn complete<'s, const D: usize>(
     systems.extend(link_systems(conditions));
     restore(model, conditions, &|name| before(name).0);
     share_nodes(model, systems, conditions);
+    let constraints: Vec<&Constraints<D>> = systems.iter().map(|s| &s.constraints).collect();
+    agree_with_supports(model, &constraints, conditions)?;
     let dropped = drop_implied(model, systems, conditions);
     set_offsets(model, conditions, time)?;
     add_offsets(systems, conditions);

@@ -35,8 +35,9 @@ pub(crate) enum Moves {
     First,
 }
 
-/// Pressures are on a line up to this part of the largest one: as accurately as forces are asked for. Where lines meet, either is right.
-const ON_LINE: f64 = 1e-8;
+/// Pressures are on a line up to this part of the largest one: the error of forces that a certificate allows. Where lines meet, either is
+/// right.
+const ON_LINE: f64 = 1e-7;
 
 impl Filling {
     /// The line of a state.

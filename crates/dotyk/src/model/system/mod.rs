@@ -38,3 +38,4 @@ pub mod recover;
 pub mod shared;
 pub mod spread;
 pub mod state;
+pub mod tied;
