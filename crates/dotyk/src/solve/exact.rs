@@ -85,9 +85,12 @@ const INNER_ACCURACY: f64 = 1e-2;
 const MOST_ACCURATE: f64 = 1e-13;
 const LEAST_ACCURATE: f64 = 1e-10;
 
-/// Their accuracy at the beginning, where the states are guesses, of which one digit determines most; and where these repeat
-/// themselves, as few of them change then. A ball in pieces on a block takes 221 products with these two, 369 with 1e-2 alone.
-const BEGINNING: f64 = 0.1;
+/// Their accuracy at the beginning, where the states are guesses: two digits determine most of them.
+const BEGINNING: f64 = 1e-2;
+
+/// The same of bodies in pieces, of which many products make one digit; and where the states repeat themselves, as few of them change
+/// then. A ball in pieces on a block takes 221 products with these two, 369 with two digits.
+const IN_PIECES: f64 = 0.1;
 const SETTLED: f64 = 1e-3;
 
 /// Accuracy of iterations within a step where the start is good: rougher forces would spoil it.
@@ -115,6 +118,15 @@ pub(crate) fn tight(tolerance: f64) -> f64 {
 /// Accuracy where that is not enough: with many contacts the error of one is small beside that of all.
 pub(crate) fn finest(tolerance: f64) -> f64 {
     INNER_ACCURACY * tight(tolerance)
+}
+
+/// The accuracy that comes next where states repeat themselves.
+fn finer(accuracy: f64, tolerance: f64) -> f64 {
+    match accuracy {
+        rough if rough > BEGINNING => SETTLED.max(tight(tolerance)),
+        rough if rough > tight(tolerance) => tight(tolerance),
+        _ => finest(tolerance),
+    }
 }
 
 /// An exact step from states that do not change any more.
@@ -235,7 +247,8 @@ impl<'a> Search<'a> {
             tried: Vec::new(),
             accuracy: match setup.problem.compliance {
                 Compliance::Dense(_) | Compliance::Sparse(_) => finest(tolerance),
-                Compliance::Operator { .. } => BEGINNING,
+                Compliance::Operator { glue: None, .. } => BEGINNING,
+                Compliance::Operator { .. } => IN_PIECES,
             },
         }
     }
@@ -383,7 +396,7 @@ impl<'a> Search<'a> {
                 *answer = Some((self.residual, self.point.clone()));
             }
             if same && self.accuracy > finest(self.tolerance) {
-                self.accuracy = self.finer();
+                self.accuracy = finer(self.accuracy, self.tolerance);
                 continue;
             }
             let changed = differing(&now, &then);
@@ -405,16 +418,6 @@ impl<'a> Search<'a> {
             states = next;
         }
         Ended::Stuck(states)
-    }
-
-    /// The accuracy that comes next where the states repeat themselves.
-    fn finer(&self) -> f64 {
-        let tight = tight(self.tolerance);
-        match self.accuracy {
-            rough if rough > SETTLED.max(tight) => SETTLED,
-            rough if rough > tight => tight,
-            _ => finest(self.tolerance),
-        }
     }
 
     /// Solves for the forces of `states` and judges them; `false` where the system is singular or cannot balance the load.
@@ -656,16 +659,19 @@ mod tests {
             (&[], &[]),
         );
         let setup = Setup::new(&of_operator).unwrap();
-        let mut search = Search::new((1e-9, 7), &setup);
+        let search = Search::new((1e-9, 7), &setup);
         assert_eq!((search.asked, search.accuracy), (0.0, BEGINNING));
         // where states repeat themselves forces become accurate step by step
-        let mut accuracies = Vec::new();
-        for _ in 0..4 {
-            search.accuracy = search.finer();
-            accuracies.push(search.accuracy);
-        }
         let [tight, finest] = [tight(1e-9), finest(1e-9)];
-        assert_eq!(accuracies, [SETTLED, tight, finest, finest]);
+        for (accuracy, next) in [
+            (IN_PIECES, SETTLED),
+            (SETTLED, tight),
+            (BEGINNING, tight),
+            (tight, finest),
+            (finest, finest),
+        ] {
+            assert_eq!(finer(accuracy, 1e-9), next);
+        }
     }
 
     #[test]

@@ -285,25 +285,3 @@ fn gaskets_between_pieces() {
         assert_eq!(agrees(&text, pieces), pieces);
     }
 }
-
-/// The contact of a single node and a slender beam: the pieces have no answer of the accuracy that is asked for.
-#[test]
-fn pieces_without_an_answer_become_whole() {
-    let text = file("beam-on-obstacle/point_contact");
-    let divided = format!("{text}\n[solver]\nsubdomains = 5\n");
-    let solve = |text: &str| match AnyCase::from_str(text, "pieces.toml", "".as_ref()).unwrap() {
-        AnyCase::Plane(case) => case.model.solve_steps().unwrap(),
-        AnyCase::Space(_) => panic!("a case of the plane"),
-    };
-    let [whole, divided] = [&text, &divided].map(|text| solve(text));
-    same(&whole, &divided);
-    let told = |solution: &Solution<2>| {
-        let mut warnings = solution.warnings.iter();
-        warnings.any(|warning| warning.contains("computed as wholes"))
-    };
-    assert_eq!(
-        told(&divided[0]),
-        divided[0].division.subdomains == divided[0].bodies.len()
-    );
-    assert!(!told(&whole[0]));
-}

@@ -525,10 +525,10 @@ fn supports_that_tear_a_tie_are_refused() {
             "analysis = \"plane-stress\"\n\
              [[body]]\nname = \"lower\"\nmesh = {{ rectangle = {{ from = [0, -1], to = [1, 0], cells = [3, 2], cell = \"quad8\" }} }}\n\
              material = {{ young = 1000, poisson = 0 }}\n\
-             fix = [{{ side = \"bottom\", y = 0 }}, {{ side = \"left\", x = 0 }}, {{ side = \"top\", {lower} }}]\n\
+             fix = [{{ side = \"bottom\", x = 0, y = 0 }}, {{ side = \"top\", {lower} }}]\n\
              [[body]]\nname = \"upper\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [{cells}, 2], cell = \"quad8\" }} }}\n\
              material = {{ young = 1000, poisson = 0 }}\n\
-             fix = [{{ side = \"left\", x = 0 }}, {{ side = \"bottom\", {upper} }}]\n\
+             fix = [{{ side = \"top\", x = 0, y = 0 }}, {{ side = \"bottom\", {upper} }}]\n\
              [[contact]]\nname = \"glue\"\nnonmortar = \"upper.bottom\"\nmortar = \"lower.top\"\ntied = true\n\
              [[step]]\ntime = 0\n[[step]]\ntime = 1\n"
         );

@@ -13,11 +13,14 @@ use crate::model::system::condense::{Condensed, go_part};
 /// Three digits of the part.
 const NARROW: f64 = 1e-3;
 
+/// The solver is believed if parts without an answer begin no further below what it tells: near the limit friction may not settle.
+const UNKNOWN: f64 = 0.05;
+
 /// Most parts that are tried.
 const MOST: usize = 16;
 
-/// Puts the part in the place of the one that the solver tells, where friction does not hold the bodies to the end. A part that is never
-/// reached says nothing: then the solver is believed.
+/// Puts the part of the change of load in the place of the one that the solver tells, where friction does not hold the bodies to the end
+/// of a step that follows another one. A part that is never reached says nothing: then the solver is believed.
 ///
 /// Errors: those of the step itself.
 pub(crate) fn hold_to<const D: usize>(
@@ -35,33 +38,38 @@ pub(crate) fn hold_to<const D: usize>(
     else {
         return Ok(());
     };
-    let before = condensed.state.load.as_ref().map(|(time, _)| *time);
-    // of the load, not of its change: not a part of this step
-    if before.is_some() != step.is_some() {
+    // without a step before it is a part of the load along the motion, beside a weight that stays
+    if condensed.state.load.is_none() || step.is_none() {
         return Ok(());
     }
-    let mut holds = |share: f64| -> Result<bool, Error<D>> {
+    // none where the solver finds out neither
+    let mut holds = |share: f64| -> Result<Option<bool>, Error<D>> {
         go_part(model, condensed, Some(share))?;
-        Ok(run(model, condensed, from, &mut |_| {}).is_ok_and(|attempt| attempt.failure.is_none()))
+        let tried = run(model, condensed, from, &mut |_| {});
+        Ok(match tried.map(|attempt| attempt.failure) {
+            Ok(None) => Some(true),
+            Ok(Some(Objection::Slides { .. })) => Some(false),
+            _ => None,
+        })
     };
-    let [mut low, mut high] = [0.0, 1.0];
+    // the largest part with an answer, the smallest one that slides, and the smallest one without an answer
+    let [mut low, mut high, mut least] = [0.0, 1.0, 1.0];
     let mut next = [(1.0 - NARROW) * *held, (1.0 + NARROW) * *held].into_iter();
     for _ in 0..MOST {
-        if high - low <= 2.5 * NARROW * high {
+        if least - low <= 2.5 * NARROW * least {
             break;
         }
-        let told = next
-            .next()
-            .filter(|share| (low..high).contains(share) && *share > 0.0);
-        let share = told.unwrap_or(0.5 * (low + high));
+        let inside = |share: &f64| (low..least).contains(share) && *share > 0.0;
+        let share = next.next().filter(inside).unwrap_or(0.5 * (low + least));
         match holds(share)? {
-            true => low = share,
-            false => high = share,
+            Some(true) => low = share,
+            Some(false) => [high, least] = [share; 2],
+            None => least = share,
         }
     }
     go_part(model, condensed, None)?;
-    let confirmed = low < *held && *held < high;
-    if low > 0.0 && !confirmed {
+    let possible = (low..=high).contains(held) && low >= (1.0 - UNKNOWN) * *held;
+    if low > 0.0 && !possible {
         *held = low;
     }
     Ok(())

@@ -22,7 +22,7 @@ use crate::model::march::judge::{Judged, judge};
 use crate::model::march::torn::torn;
 use crate::model::nouns::error::Error;
 use crate::model::nouns::event::Event;
-use crate::model::nouns::model::{Method, Model, Subdomains};
+use crate::model::nouns::model::{Method, Model};
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::{Condensed, again, make_whole};
@@ -91,7 +91,7 @@ pub(crate) fn certified<const D: usize>(
 /// A move on the linear problem; all that come before it lead no further.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Move {
-    /// Newton's method once more, with whole bodies that were in pieces.
+    /// Newton's method once more, with whole bodies that were in pieces for the time that this saves.
     Whole,
     /// Newton's method once more, with all entries of F. A crowd would have too many.
     Assemble,
@@ -200,10 +200,6 @@ impl<const D: usize> Reached<D> {
             return Ok(false);
         }
         self.once_more(model, condensed, from, observe)?;
-        if self.attempt.failure.is_none() && model.solver.subdomains != Subdomains::Auto {
-            let remark = "in pieces the bodies had no answer: they were computed as wholes";
-            self.attempt.outcome.remarks.push(remark.to_string());
-        }
         Ok(true)
     }
 

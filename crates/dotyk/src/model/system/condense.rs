@@ -36,7 +36,7 @@ use crate::model::system::joints::restore;
 use crate::model::system::key::{same_conditions, same_stiffness};
 use crate::model::system::memory::{self, Demand};
 use crate::model::system::pieces::{
-    DIVISIBLE, are_small, fewest_entries, of_moderate_size, pieces, products_as_dear,
+    DIVISIBLE, fewest_entries, of_moderate_size, pieces, products_as_dear,
 };
 use crate::model::system::state::{AllYielded, State};
 use rayon::prelude::*;
@@ -67,7 +67,7 @@ pub(crate) struct Condensed<const D: usize> {
     part: Option<Part>,
     /// The state from which it goes on.
     pub state: Arc<State<D>>,
-    /// Where bodies that are in pieces may become whole: products with F that cost as much as wholes.
+    /// Products with F that cost as much as wholes, where bodies are in pieces for the time that this saves.
     dear: Option<usize>,
     /// The model of which its parts and conditions were made.
     made_of: Model<D>,
@@ -80,8 +80,6 @@ pub(crate) struct Purpose {
     pub dense_limit: usize,
     /// An answer by few products with F: bodies may be divided for the time that this saves.
     pub few_products: bool,
-    /// Bodies stay whole, whatever was asked for.
-    whole: bool,
 }
 
 impl Purpose {
@@ -89,7 +87,6 @@ impl Purpose {
     pub const ANSWERS: Self = Self {
         dense_limit: DENSE_LIMIT,
         few_products: true,
-        whole: false,
     };
 
     /// Any other one.
@@ -97,7 +94,6 @@ impl Purpose {
         Self {
             dense_limit,
             few_products: false,
-            whole: false,
         }
     }
 }
@@ -362,7 +358,7 @@ struct Orders {
 
 /// The orders of all bodies. Where nothing else is asked for, bodies are divided that are too large or need too much memory as wholes;
 /// and for few products with F also where wholes take more time: then with the number of products that cost as much, which is
-/// `known` of bodies that have been before. Small bodies that are in pieces because that is asked for may become whole, too.
+/// `known` of bodies that have been before.
 ///
 /// Errors: those of the orders; too little memory.
 fn ordered<const D: usize>(
@@ -374,10 +370,7 @@ fn ordered<const D: usize>(
     let in_pieces =
         |pieces: &[Option<Count>]| ordered_in(pieces, model, of, conditions, purpose.dense_limit);
     let divided = || of_moderate_size(model, DIVISIBLE).map(|pieces| in_pieces(&pieces));
-    let as_asked = match purpose.whole {
-        true => vec![None; model.bodies.len()],
-        false => pieces(model),
-    };
+    let as_asked = pieces(model);
     // a body that was divided before
     let again = |(kept, asked): (&Option<Factored>, &Option<Count>)| {
         let divided = kept.as_ref().and_then(|(ordered, _)| ordered.divided());
@@ -395,11 +388,9 @@ fn ordered<const D: usize>(
         }
         found => found?,
     };
-    if as_asked.iter().any(Option::is_some) {
-        let spare = purpose.few_products && are_small(model);
-        return Ok((found, spare.then_some(usize::MAX)));
-    }
-    let new = purpose.few_products && of.kept.iter().all(Option::is_none);
+    let new = purpose.few_products
+        && as_asked.iter().all(Option::is_none)
+        && of.kept.iter().all(Option::is_none);
     let operations = found.ordered.iter().map(|order| order.operations()).sum();
     let dear = |entries: f64| products_as_dear(model, operations, entries).filter(|_| new);
     // pieces are only made where they may be worth it
@@ -519,7 +510,7 @@ pub(crate) fn go_part<const D: usize>(
     drive(model, here, &mut |_| {})
 }
 
-/// The same step with whole bodies, where they are in pieces for the time that this saves, or small; `false` where they are not.
+/// The same step with whole bodies, where they are in pieces for the time that this saves; `false` where they are not.
 ///
 /// Errors: those of the step itself.
 pub(crate) fn make_whole<const D: usize>(
@@ -547,11 +538,7 @@ pub(crate) fn make_whole<const D: usize>(
         dear: None,
     };
     let part = here.part;
-    let purpose = Purpose {
-        whole: true,
-        ..Purpose::others(DENSE_LIMIT)
-    };
-    *here = connected.condense(model, purpose, observe)?;
+    *here = connected.condense(model, Purpose::others(DENSE_LIMIT), observe)?;
     here.part = part;
     drive(model, here, observe)?;
     Ok(true)
@@ -724,7 +711,7 @@ mod tests {
         model.solver.subdomains = Subdomains::Parts(4);
         let mut before = condensed(&model, None);
         assert!(before.ordered.iter().all(|order| order.divided().is_some()));
-        assert_eq!(before.dear, Some(usize::MAX));
+        assert!(!make_whole(&model, &mut before, &mut |_| {}).unwrap());
         // as if their number had been chosen for the time that it saves
         model.solver.subdomains = Subdomains::Auto;
         before.dear = Some(2);
@@ -741,10 +728,5 @@ mod tests {
         assert!(here.ordered.iter().all(|order| order.divided().is_none()));
         assert_eq!(forces(&here).unwrap(), whole);
         assert!(!make_whole(&model, &mut here, &mut |_| {}).unwrap());
-        // also where pieces were asked for
-        model.solver.subdomains = Subdomains::Parts(4);
-        let mut asked = condensed(&model, None);
-        assert!(make_whole(&model, &mut asked, &mut |_| {}).unwrap());
-        assert_eq!(forces(&asked).unwrap(), whole);
     }
 }

@@ -42,15 +42,6 @@ const SHARED: [f64; 2] = [400_000.0, 50_000.0];
 /// The same where there is no other way.
 pub(crate) const DIVISIBLE: [f64; 2] = [30_000.0, 300.0];
 
-/// Unknowns up to which bodies become whole where their pieces have no answer, whatever was asked for: these factors fit any memory.
-const SMALL: [f64; 2] = [1e6, 1.5e5];
-
-/// Whether the factors of whole bodies are small.
-pub(crate) fn are_small<const D: usize>(model: &Model<D>) -> bool {
-    let all = (0..model.bodies.len()).map(|body| unknowns(model, body));
-    all.sum::<f64>() <= SMALL[usize::from(D == 3)]
-}
-
 /// Unknowns of a piece in the plane and in space where their number is not given: few enough for small triangles of borders, and enough
 /// for a coarse problem that costs little beside them. The contact of two blocks of 402 000 unknowns took 12.6 s in pieces of 150, 14.4 s
 /// of 200, 11.9 s of 260 and 12.1 s of 400.
