@@ -154,12 +154,9 @@ pub enum ContactError {
     },
     /// Supports move the two sides of a tie apart.
     #[error(
-        "its sides are tied, but supports move {} and {} there by {distance:.3e} against each other, at {point}: no force of a tie can change that; give both supports the same displacement, or one of them alone, or leave the place out (`exclude`)",
-        .bodies[0], .bodies[1]
+        "its sides are tied, but both are held at {point} and move by {distance:.3e} against each other: no force of a tie can change that; prescribe the same displacement on both sides, or on one side alone, or leave the place out (`exclude`)"
     )]
     MovedApart {
-        /// The bodies.
-        bodies: [String; 2],
         /// Where.
         point: String,
         /// By how much.

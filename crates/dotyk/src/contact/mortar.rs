@@ -62,6 +62,7 @@ use crate::contact::{
 };
 use crate::fem::{Analysis, Held, measure};
 use crate::geometry::{Point, dot, norm, unit};
+use crate::host::in_order;
 use crate::mesh::{Facet, Mesh};
 use rayon::prelude::*;
 use std::any::Any;
@@ -376,13 +377,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let shares = of_facets
             .par_iter()
             .map(|&(first, stations)| self.shares(first, stations, (&kept, &implied), &cover));
-        // of several errors the first one in this order
-        let shares = shares.collect::<Vec<_>>().into_iter();
-        for share in shares
-            .collect::<Result<Vec<Vec<Share<D>>>, _>>()?
-            .into_iter()
-            .flatten()
-        {
+        for share in in_order(shares)?.into_iter().flatten() {
             if let Some(sums) = sums.get_mut(&share.node) {
                 sums.add(share);
             }
@@ -489,9 +484,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 points.filter_map(|&(xi, weight)| self.station(piece, xi, weight).transpose());
             stations.collect::<Result<Vec<_>, _>>()
         });
-        let each = each.collect::<Vec<Result<Vec<_>, _>>>().into_iter();
-        let each = each.collect::<Result<Vec<Vec<_>>, _>>()?;
-        Ok(each.into_iter().flatten().collect())
+        Ok(in_order(each)?.into_iter().flatten().collect())
     }
 
     /// ∫ of the hat of every node over the whole side.

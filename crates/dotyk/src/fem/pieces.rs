@@ -6,6 +6,7 @@ use crate::fem::modes::RigidBasis;
 use crate::fem::nouns::{Analysis, Body};
 use crate::fem::springs::{Entry, spring_points};
 use crate::geometry::{Point, bounding_box, norm, sub};
+use crate::host::in_order;
 use crate::linalg::{Connectivity, Graph, Piece};
 use crate::mesh::Mesh;
 use rayon::prelude::*;
@@ -57,12 +58,7 @@ pub(crate) fn pieces<const D: usize>(
         };
         Ok((piece, nodes, frames))
     };
-    // of several errors the first one in this order
-    let pieces = parts
-        .map(piece)
-        .collect::<Vec<Result<_, FemError>>>()
-        .into_iter();
-    let mut pieces = pieces.collect::<Result<Vec<_>, _>>()?;
+    let mut pieces = in_order(parts.map(piece))?;
     for (point, owner) in springs.iter().zip(owners) {
         let own = owner.and_then(|owner| (owner as usize).checked_sub(first));
         let Some((piece, nodes, _)) = own.and_then(|own| pieces.get_mut(own)) else {

@@ -371,9 +371,8 @@ impl<'a> Search<'a> {
         let mut seen = HashSet::new();
         let mut last = f64::INFINITY;
         let mut changing = usize::MAX;
-        let mut step = 0;
-        while step < patience.steps {
-            step += 1;
+        let mut step = 1;
+        while step <= patience.steps {
             if self.exhausted() || !self.exact_step(&states) {
                 return Ended::Stuck(states);
             }
@@ -397,6 +396,7 @@ impl<'a> Search<'a> {
             }
             if same && self.accuracy > finest(self.tolerance) {
                 self.accuracy = finer(self.accuracy, self.tolerance);
+                step += 1;
                 continue;
             }
             let changed = differing(&now, &then);
@@ -412,8 +412,8 @@ impl<'a> Search<'a> {
             }
             let enough = (0.1 * self.residual).max(tight(self.tolerance));
             self.accuracy = self.accuracy.min(enough);
-            if patience.opening && State::only_open(&states, &next) {
-                step -= 1;
+            if !(patience.opening && State::only_open(&states, &next)) {
+                step += 1;
             }
             states = next;
         }

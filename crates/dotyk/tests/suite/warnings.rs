@@ -546,10 +546,20 @@ fn supports_that_tear_a_tie_are_refused() {
         ] {
             let told = tied(lower, upper, cells).unwrap_err();
             assert!(
-                told.contains("\"glue\"") && told.contains("supports move upper and lower"),
+                told.contains("\"glue\"") && told.contains("both are held at"),
                 "{told}"
             );
         }
+        // a part of one side that comes to lie on a node of the other one
+        let bent = tied(
+            "y = \"0.01*x*t\"",
+            "y = \"0.01*x*t + 0.001*t*max(0, x - 0.6)\"",
+            cells,
+        );
+        assert!(
+            bent.unwrap_err()
+                .contains("both are held at (1, 0) and move by 4.000e-4")
+        );
         // together, turned together, or one side alone
         for (lower, upper) in [
             ("y = \"0.01*t\"", "y = \"0.01*t\""),
@@ -558,5 +568,33 @@ fn supports_that_tear_a_tie_are_refused() {
         ] {
             assert_eq!(tied(lower, upper, cells), Ok(2), "{lower} {upper}");
         }
+    }
+}
+
+/// The same against an obstacle that is moved, in every direction.
+#[test]
+fn supports_that_tear_a_tie_from_an_obstacle_are_refused() {
+    let tied = |upper: &str, motion: &str| {
+        let text = format!(
+            "analysis = \"plane-strain\"\n\
+             [[body]]\nname = \"upper\"\nmesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [3, 2], cell = \"quad8\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             fix = [{{ side = \"top\", x = 0, y = 0 }}, {{ side = \"bottom\", {upper} }}]\n\
+             [[contact]]\nname = \"glue\"\nnonmortar = \"upper.bottom\"\ntied = true\n\
+             obstacle = {{ plane = {{ point = [0, 0], normal = [0, 1] }}, displacement = {motion} }}\n"
+        );
+        let case = dotyk::case::Case::<2>::from_str(&text, "tie.toml", "".as_ref());
+        let solved = case.unwrap().model.solve_steps();
+        solved.map(|_| ()).map_err(|error| error.to_string())
+    };
+    for (upper, motion) in [("y = 0", "[0, -0.01]"), ("x = 0", "[0.01, 0]")] {
+        let told = tied(upper, motion).unwrap_err();
+        assert!(
+            told.contains("move by 1.000e-2 against each other"),
+            "{told}"
+        );
+    }
+    for (upper, motion) in [("y = -0.01", "[0, -0.01]"), ("x = 0", "[0, 0.01]")] {
+        assert_eq!(tied(upper, motion), Ok(()), "{upper}");
     }
 }

@@ -7,8 +7,9 @@
 
 use crate::model::march::attempt::{Start, run};
 use crate::model::nouns::error::{Error, Objection};
-use crate::model::nouns::model::Model;
+use crate::model::nouns::model::{Body, Model};
 use crate::model::system::condense::{Condensed, go_part};
+use crate::model::system::condition::Condition;
 
 /// Three digits of the part.
 const NARROW: f64 = 1e-3;
@@ -38,8 +39,15 @@ pub(crate) fn hold_to<const D: usize>(
     else {
         return Ok(());
     };
-    // without a step before it is a part of the load along the motion, beside a weight that stays
-    if condensed.state.load.is_none() || step.is_none() {
+    // without a step before it is a part of the load along the motion, beside a weight that stays; what yields, is pressed out or parts
+    // on the way to the end is not so at a part of it
+    let lost = |condition: &Condition<D>| condition.touch.lost.contains(&true);
+    let changes = |condition: &Condition<D>| condition.touch.filling.is_some() || lost(condition);
+    if condensed.state.load.is_none()
+        || step.is_none()
+        || model.bodies.iter().any(Body::is_plastic)
+        || condensed.conditions.iter().any(changes)
+    {
         return Ok(());
     }
     // none where the solver finds out neither

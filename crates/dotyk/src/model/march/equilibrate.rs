@@ -199,6 +199,7 @@ impl<const D: usize> Reached<D> {
         if spent || !make_whole(model, condensed, observe)? {
             return Ok(false);
         }
+        (self.last, self.increments) = (None, 0);
         self.once_more(model, condensed, from, observe)?;
         Ok(true)
     }

@@ -47,6 +47,9 @@ use std::sync::Arc;
 /// If all overlaps are below this part of the displacements whose differences they are, they are rounding.
 const OVERLAP_ROUNDING: f64 = 1e-12;
 
+/// Gaps that differ by less than this part of the size of a body are the same.
+const SAME_GAP: f64 = 1e-9;
+
 /// The bodies of a model condensed onto the contact unknowns, at one time.
 pub(crate) struct Condensed<const D: usize> {
     pub bodies: Vec<LoadedBody<D>>,
@@ -392,7 +395,9 @@ fn ordered<const D: usize>(
         && as_asked.iter().all(Option::is_none)
         && of.kept.iter().all(Option::is_none);
     let operations = found.ordered.iter().map(|order| order.operations()).sum();
-    let dear = |entries: f64| products_as_dear(model, operations, entries).filter(|_| new);
+    let open = new && !rough(conditions);
+    let fits = conditions.iter().all(|condition| fits(model, condition));
+    let dear = |entries: f64| products_as_dear(model, fits, (operations, entries)).filter(|_| open);
     // pieces are only made where they may be worth it
     let divided = dear(fewest_entries(model)).and_then(|_| divided()?.ok());
     let chosen = divided.and_then(|divided| {
@@ -400,6 +405,24 @@ fn ordered<const D: usize>(
         Some((divided, Some(dear(entries as f64)?)))
     });
     Ok(chosen.unwrap_or((found, None)))
+}
+
+/// Whether anything slides with friction.
+fn rough<const D: usize>(conditions: &[Condition<D>]) -> bool {
+    let slides = |condition: &Condition<D>| condition.slides().contains(&true);
+    conditions.iter().any(slides)
+}
+
+/// Whether the sides of a condition lie on each other, or are everywhere the same distance apart.
+fn fits<const D: usize>(model: &Model<D>, condition: &Condition<D>) -> bool {
+    let Some(body) = model.bodies.get(condition.nonmortar.body.0) else {
+        return true;
+    };
+    let gaps = condition.interface.carriers().map(|node| node.gap);
+    let [least, most] = gaps.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], gap| {
+        [least.min(gap), most.max(gap)]
+    });
+    most - least <= SAME_GAP * body.mesh.diameter()
 }
 
 /// The same of bodies in so many pieces each. Problems that do not fit the memory are refused; an F that would pay to assemble, but does
@@ -412,8 +435,7 @@ fn ordered_in<const D: usize>(
     dense_limit: usize,
 ) -> Result<Orders, Error<D>> {
     let m = conditions.iter().map(|p| p.interface.nonmortar.len()).sum();
-    let rough = |p: &Condition<D>| p.slides().contains(&true);
-    let rough = conditions.iter().any(rough);
+    let rough = rough(conditions);
     let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
     let all = |dense| {
         let each = (0..of.systems.len()).into_par_iter();

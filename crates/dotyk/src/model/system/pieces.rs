@@ -54,15 +54,17 @@ const ENTRY: f64 = 150.0;
 /// What comes before the first product, in products.
 const BEFORE: f64 = 15.0;
 
-/// Products with F that an answer takes for which pieces are tried: flat contacts take 40, a ball on a block 290.
-const FEWEST: f64 = 100.0;
+/// Products with F for which pieces are tried, where sides lie on each other and elsewhere: blocks take 40, a lining of which a part opens
+/// 130; balls on blocks 290, which take up to twice as long for each entry. With friction it is 80 to 750: too uncertain.
+const FEWEST: [f64; 2] = [100.0, 500.0];
 
 /// How many products with F of bodies in pieces whose factors have so many `entries` take as long as factors of so many `operations`, in
-/// each load step; `None` if wholes are expected to take less time. Yielding and gaskets ask for many answers in a step.
+/// each load step; `None` if wholes are expected to take less time. `fits`: sides lie on each other, or are the same distance apart.
+/// Yielding and gaskets ask for many answers in a step.
 pub(crate) fn products_as_dear<const D: usize>(
     model: &Model<D>,
-    operations: f64,
-    entries: f64,
+    fits: bool,
+    (operations, entries): (f64, f64),
 ) -> Option<usize> {
     let gasket = model
         .contacts
@@ -73,7 +75,7 @@ pub(crate) fn products_as_dear<const D: usize>(
     }
     let steps = model.times.len().max(1) as f64;
     let products = (operations / (ENTRY * entries) - BEFORE) / steps;
-    (products >= FEWEST).then_some(products as usize)
+    (products >= FEWEST[usize::from(!fits)]).then_some(products as usize)
 }
 
 /// Entries of the factors of pieces for each unknown, of blocks of hexahedra, which have few.
@@ -127,10 +129,22 @@ mod tests {
         let entries = fewest_entries(&model);
         assert_eq!(entries, 220.0 * 50.0);
         let dear = |model: &Model<2>, products: f64| {
-            products_as_dear(model, ENTRY * entries * (BEFORE + products), entries)
+            products_as_dear(
+                model,
+                true,
+                (ENTRY * entries * (BEFORE + products), entries),
+            )
         };
         assert_eq!(dear(&model, 99.0), None);
         assert_eq!(dear(&model, 150.5), Some(150));
+        let curved = |products: f64| {
+            products_as_dear(
+                &model,
+                false,
+                (ENTRY * entries * (BEFORE + products), entries),
+            )
+        };
+        assert_eq!([curved(499.0), curved(500.5)], [None, Some(500)]);
         model.times = vec![1.0, 2.0];
         assert_eq!(dear(&model, 150.5), None);
         assert_eq!(dear(&model, 401.0), Some(200));
