@@ -11,6 +11,7 @@
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
+use crate::contact::Coupling;
 use crate::dual::{Compliance, DualProblem};
 use crate::fem::{BodySystem, Constraints, Part};
 use crate::host::in_order;
@@ -413,8 +414,11 @@ fn rough<const D: usize>(conditions: &[Condition<D>]) -> bool {
     conditions.iter().any(slides)
 }
 
-/// Whether the sides of a condition lie on each other, or are everywhere the same distance apart.
+/// Whether the sides of a condition are tied, lie on each other, or are everywhere the same distance apart.
 fn fits<const D: usize>(model: &Model<D>, condition: &Condition<D>) -> bool {
+    if condition.interface.coupling == Coupling::Tied {
+        return true;
+    }
     let Some(body) = model.bodies.get(condition.nonmortar.body.0) else {
         return true;
     };
