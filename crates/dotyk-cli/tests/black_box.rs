@@ -2036,3 +2036,25 @@ fn check_tells_what_points_hold() {
         assert!(run.stdout.contains(words), "{words}\n{}", run.stdout);
     }
 }
+
+/// Four bodies whose stresses differ by much have a colour range each.
+#[test]
+fn bodies_of_many_colour_ranges_are_drawn_over_steps() {
+    let body = |k: i32| {
+        let (at, stiff) = (2 * k, 10f64.powi(2 * k));
+        format!(
+            "[[body]]\nname = \"b{k}\"\n\
+             mesh = {{ rectangle = {{ from = [{at}, 0], to = [{}, 1], cells = [2, 2] }} }}\n\
+             material = {{ young = {stiff:?}, poisson = 0.3 }}\n\
+             fix = [{{ side = \"bottom\", x = 0, y = 0 }}]\n\
+             load = [{{ side = \"top\", traction = [0, \"{:?}*t\"] }}]\n",
+            at + 1,
+            -1e-4 * stiff
+        )
+    };
+    let bodies: String = (0..6).map(body).collect();
+    let text =
+        format!("analysis = \"plane-strain\"\nstep = [{{ time = 1 }}, {{ time = 2 }}]\n{bodies}");
+    let run = Run::solved("colour_ranges", &text);
+    assert!(run.folder.join("case-out/report.html").exists());
+}

@@ -519,3 +519,118 @@ fn mistakes_are_told_at_their_line() {
         assert!(!folder.join("out/press.frd").exists());
     }
 }
+
+/// The tables that dotyk prints for a deck of this folder.
+fn printed(deck: &str) -> Vec<(String, Vec<Vec<f64>>)> {
+    let folder = folder(deck, &[&format!("{deck}.inp")]);
+    let run = dotyk(
+        &folder,
+        &["run", &format!("{deck}.inp"), "--out", "out", "--quiet"],
+    );
+    assert!(run.status.success(), "{deck}: {}", told(&run));
+    tables(&std::fs::read_to_string(folder.join(format!("out/{deck}.dat"))).unwrap())
+}
+
+/// The first row of every table whose heading begins like this.
+fn firsts(deck: &str, head: &str) -> Vec<Vec<f64>> {
+    let tables = printed(deck).into_iter();
+    let wanted = tables.filter(|(own, _)| own.starts_with(head));
+    wanted.map(|(_, rows)| rows[0].clone()).collect()
+}
+
+fn near(found: f64, wanted: f64, what: &str) {
+    let off = (found - wanted).abs();
+    assert!(
+        off <= 2e-6 * wanted.abs().max(1e-3),
+        "{what}: {found} {wanted}"
+    );
+}
+
+#[test]
+fn joined_nodes_bear_the_loads_of_both_and_are_printed_by_their_own_numbers() {
+    // four nodes with a force of 1 each, of which two pairs are one
+    near(
+        firsts("joined-set-load", "total force")[0][1],
+        -4.0,
+        "a set with both nodes of a pair",
+    );
+    // one force of 1 in each of two steps, on the two nodes of a pair
+    let later = firsts("joined-later-load", "total force");
+    near(later[0][1], -1.0, "the first node");
+    near(later[1][1], -2.0, "the other one later");
+    let dependent = &printed("joined-print")[0].1;
+    assert_eq!(
+        dependent.iter().map(|row| row[0]).collect::<Vec<_>>(),
+        [5.0, 8.0]
+    );
+    // two nodes that are each joined to a third one move alike, as far as calculix says
+    let star = &printed("joined-star")[0].1;
+    let moved = |node: f64| star.iter().find(|row| row[0] == node).unwrap()[1];
+    near(moved(2.0), moved(5.0), "a star");
+    near(moved(2.0), moved(9.0), "its middle");
+    assert!((moved(2.0) / -7.43e-4 - 1.0).abs() < 1e-3, "{}", moved(2.0));
+}
+
+#[test]
+fn forces_of_sets_are_those_of_calculix() {
+    // a rigid group that moves with a node of its own
+    let [end, fix] = firsts("rigid-own-node", "total force").try_into().unwrap();
+    near(end[0], -fix[0], "balance");
+    assert!((end[0] / 52.59 - 1.0).abs() < 1e-3, "{}", end[0]);
+    // four nodes of a cut, a force of 1 each, halfway between two clamps
+    for sides in firsts("bolt-set-load", "total force") {
+        near(sides[1], -2.0, "a cut");
+    }
+    // gravity again, but for the sign of a zero
+    let [first, then] = firsts("gravity-again", "total force").try_into().unwrap();
+    near(first[2], 2.0 * then[2], "gravity");
+    // *DLOAD and *DSLOAD on one face, the latter taken away
+    let [both, one] = firsts("two-pressures", "total force").try_into().unwrap();
+    near(both[2], 3.0 * one[2], "pressures");
+    // a pair whose master lies on two bodies, and one of which a part is open
+    let pairs = printed("pair-of-bodies");
+    let heads = pairs
+        .iter()
+        .filter(|(head, _)| head.starts_with("statistics"));
+    assert_eq!(heads.count(), 1);
+    let force = firsts("pair-of-bodies", "total surface force");
+    assert!((force[0][2] / 11.13 - 1.0).abs() < 0.01, "{force:?}");
+    // of five columns of nodes over a length of 4 three are closed; their centre lies nearer to the closed end
+    near(firsts("open-area", "area,")[0][0], 2.5, "an area");
+    near(
+        firsts("open-area", "center of gravity")[0][0],
+        1.2,
+        "its centre",
+    );
+}
+
+#[test]
+fn what_a_deck_names_once_more_is_no_other_thing() {
+    // a body whose name is that of the body and the section of another one
+    let moved = printed("groups-one-name").remove(0).1;
+    let far = moved.iter().find(|row| row[0] == 102.0).unwrap();
+    assert!((far[1] / 2.8e-3 - 1.0).abs() < 0.5, "{far:?}");
+    // surfaces upon each other are tied by a tolerance of zero
+    let tied = printed("tie-no-tolerance").remove(0).1;
+    let node = tied.iter().find(|row| row[0] == 1014.0).unwrap();
+    assert!(node[3].abs() < 1e-4, "{node:?}");
+    // linear, and nothing but a motion acts
+    printed("two-couples");
+    printed("rigid-elements");
+    // forces spread over a surface, with the lines that other programs write
+    printed("lines-of-cae");
+    for (deck, line, words) in [
+        ("empty-surface", 17, "surface S has no faces"),
+        ("element-twice", 20, "element 2 has the nodes of element 1"),
+    ] {
+        let name = format!("{deck}.inp");
+        let folder = folder(deck, &[&name]);
+        let run = dotyk(&folder, &["run", &name, "--out", "out", "--quiet"]);
+        let said = told(&run);
+        assert_eq!(run.status.code(), Some(2), "{said}");
+        assert!(
+            said.contains(&format!("{name}:{line}")) && said.contains(words),
+            "{said}"
+        );
+    }
+}

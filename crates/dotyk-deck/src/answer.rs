@@ -15,7 +15,7 @@ use crate::results::{
 use crate::{dat, steps};
 use dotyk::fem::{CellPoints, FemError, cell_points, nodal_forces, recover_spin};
 use dotyk::geometry::Point;
-use dotyk::model::{ContactSolution, Model, Solution};
+use dotyk::model::{ContactSolution, Model, Solution, Status};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Strains and rotations up to these are small: lengths are wrong by less than a two-hundredth of the rest.
@@ -219,13 +219,10 @@ impl Deck {
                 continue;
             };
             let node = coupling.reference as usize;
-            if self.bodies.of_node[node].is_some() {
-                // a node of the body itself
-                continue;
-            }
             step.displacement[node] = space(couple.displacement);
-            // what acts on the point from outside is what it hands on to the body
-            step.reaction[node] = space(couple.force);
+            // what acts on the point from outside is what it hands on to the body, of which it may be a node itself
+            let force = space(couple.force);
+            (0..3).for_each(|d| step.reaction[node][d] += force[d]);
             if let Some(turning) = coupling.rotation {
                 let turned = |values: &[f64]| match values {
                     [about_z] => [0.0, 0.0, *about_z],
@@ -326,25 +323,37 @@ impl Deck {
                         }));
                     }
                     ("CONTACT PRINT", "CF" | "CFN" | "CFS") => {
-                        for (named, contact) in self.contacts.iter().filter_map(|named| {
-                            let mut contacts = solution.contacts.iter();
-                            Some((named, contacts.find(|contact| contact.name == named.name)?))
-                        }) {
-                            let asked = [&named.slave, &named.master];
-                            let mut wanted = request.pair.iter().zip(asked);
-                            if wanted.any(|(wanted, own)| {
-                                wanted.as_ref().is_some_and(|name| name != own)
-                            }) {
-                                continue;
-                            }
-                            prints.push(Print::ContactForce(force(named, contact)));
-                        }
+                        let asked = |own: &[&String; 2]| {
+                            let mut wanted = request.pair.iter().zip(own);
+                            wanted.all(|(wanted, own)| wanted.as_ref().is_none_or(|w| w == *own))
+                        };
+                        let pairs = self.pairs().into_iter().filter(|(pair, _)| asked(pair));
+                        let forces = pairs.filter_map(|(pair, names)| {
+                            let has =
+                                |contact: &&ContactSolution<D>| names.contains(&&contact.name);
+                            let contacts: Vec<_> = solution.contacts.iter().filter(has).collect();
+                            (!contacts.is_empty()).then(|| force(pair, &contacts))
+                        });
+                        prints.extend(forces.map(Print::ContactForce));
                     }
                     _ => {}
                 }
             }
         }
         Ok(prints)
+    }
+
+    /// Slave and master of every pair in the order of the deck, with the names of its contacts: one for each pair of bodies.
+    fn pairs(&self) -> Vec<([&String; 2], Vec<&String>)> {
+        let mut pairs: Vec<([&String; 2], Vec<&String>)> = Vec::new();
+        for named in &self.contacts {
+            let own = [&named.slave, &named.master];
+            match pairs.iter_mut().find(|(pair, _)| *pair == own) {
+                Some((_, names)) => names.push(&named.name),
+                None => pairs.push((own, vec![&named.name])),
+            }
+        }
+        pairs
     }
 
     /// Stress and strain at the points of every element.
@@ -473,25 +482,40 @@ fn tangents(n: [f64; 3]) -> [[f64; 3]; 2] {
     [first, second]
 }
 
-/// The force of a contact on its slave side.
-fn force<const D: usize>(named: &crate::case::Named, contact: &ContactSolution<D>) -> ContactForce {
-    let (mut center, mut normal, mut area) = ([0.0; 3], [0.0; 3], 0.0);
-    for node in contact.nodes.iter().filter(|node| node.gap.is_finite()) {
-        let (point, n) = (space(node.point), space(node.normal));
-        area += node.weight;
-        for d in 0..3 {
-            center[d] += node.weight * point[d];
-            normal[d] += node.weight * n[d];
+/// The force of the contacts of a pair on their slave sides; area, its centre and normal are those of what is closed.
+fn force<const D: usize>(
+    [slave, master]: [&String; 2],
+    contacts: &[&ContactSolution<D>],
+) -> ContactForce {
+    let mut all = ContactForce {
+        slave: slave.clone(),
+        master: master.clone(),
+        ..ContactForce::default()
+    };
+    for contact in contacts {
+        let force = space(contact.resultant);
+        let closed = contact.nodes.iter();
+        for node in closed.filter(|node| node.status != Status::Open) {
+            let (point, n) = (space(node.point), space(node.normal));
+            all.area += node.weight;
+            for d in 0..3 {
+                all.center[d] += node.weight * point[d];
+                all.normal[d] += node.weight * n[d];
+            }
         }
+        let add = |sum: &mut [f64; 3], more: [f64; 3]| {
+            sum.iter_mut()
+                .zip(more)
+                .for_each(|(sum, more)| *sum += more);
+        };
+        add(&mut all.force, force);
+        add(&mut all.moment, contact.moment);
     }
-    let size = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let size = all.normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let over = |size: f64| move |x: f64| if size > 0.0 { x / size } else { 0.0 };
     ContactForce {
-        slave: named.slave.clone(),
-        master: named.master.clone(),
-        force: space(contact.resultant),
-        moment: contact.moment,
-        center: center.map(|x| if area > 0.0 { x / area } else { 0.0 }),
-        normal: normal.map(|x| if size > 0.0 { x / size } else { 0.0 }),
-        area,
+        center: all.center.map(over(all.area)),
+        normal: all.normal.map(over(size)),
+        ..all
     }
 }

@@ -41,6 +41,7 @@ impl Bodies {
     pub fn new(deck: &Deck, names: &mut Names) -> Result<Self, Fault> {
         let analysis = analysis(deck)?;
         let section_of = sections(deck)?;
+        repeated(deck)?;
         let (of_element, parts) = parts(deck);
         let mut list: Vec<Body> = Vec::with_capacity(parts.len());
         let mut of_node: Vec<Option<usize>> = vec![None; deck.points.len()];
@@ -78,15 +79,13 @@ impl Bodies {
             let mut own: Vec<usize> = elements.iter().map(|e| section_of[*e as usize]).collect();
             own.sort_unstable();
             own.dedup();
-            let group = |section: &usize| match own.len() {
+            let mut group = |section: &usize| match own.len() {
                 1 => name.clone(),
-                _ => format!("{name}_{}", clean(&deck.sections[*section].set)),
+                _ => names.fresh(&format!("{name}_{}", clean(&deck.sections[*section].set))),
             };
+            let sections = own.iter().map(|section| (*section, group(section)));
             list.push(Body {
-                sections: own
-                    .iter()
-                    .map(|section| (*section, group(section)))
-                    .collect(),
+                sections: sections.collect(),
                 at_node: HashMap::new(),
                 boundary: boundary(deck, elements),
                 elements: elements.clone(),
@@ -180,6 +179,23 @@ fn analysis(deck: &Deck) -> Result<Analysis, Fault> {
             ),
         )),
     }
+}
+
+/// Errors: an element with the nodes of another one.
+fn repeated(deck: &Deck) -> Result<(), Fault> {
+    let mut seen: HashMap<Vec<Index>, u64> = HashMap::new();
+    for element in &deck.elements {
+        let mut nodes = element.nodes.clone();
+        nodes.sort_unstable();
+        if let Some(other) = seen.insert(nodes, element.number) {
+            let message = format!(
+                "element {} has the nodes of element {other}, and both would bear: leave one of them out",
+                element.number
+            );
+            return Err(Fault::new(element.place, "ELEMENT", message));
+        }
+    }
+    Ok(())
 }
 
 /// The section of each element.

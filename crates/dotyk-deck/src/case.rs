@@ -22,6 +22,9 @@ const FLAT: f64 = 1e-10;
 /// A part of the typical edge within which CalculiX ties by default.
 const TIED: f64 = 0.025;
 
+/// The same of surfaces that lie on each other.
+const UPON: f64 = 1e-6;
+
 /// Values of a course in its steps, by their bits; `None` where it is not there.
 type Values = Vec<Option<u64>>;
 
@@ -1085,7 +1088,10 @@ impl<'d> Writer<'d> {
         for tie in &ties {
             let slaves = self.faces_of(&tie.slave, tie.place, "TIE")?;
             let masters = self.faces_of(&tie.master, tie.place, "TIE")?;
-            let tolerance = tie.tolerance.unwrap_or_else(|| TIED * self.edge(&slaves));
+            let edge = self.edge(&slaves);
+            // surfaces that are drawn upon each other are some rounding apart
+            let told = tie.tolerance.map(|own| own.max(UPON * edge));
+            let tolerance = told.unwrap_or(TIED * edge);
             let faces = self.faces_on(&masters);
             for (body, side) in &slaves {
                 let own = BTreeMap::from([(*body, side.clone())]);

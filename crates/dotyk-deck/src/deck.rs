@@ -3,11 +3,12 @@
 //! Two passes over the cards: geometry and sets, which may be used before they are defined, then everything else in order.
 
 use crate::elements::{Kind, kind};
+use crate::equations::Equal;
 use crate::error::Fault;
 use crate::keywords::{Becomes, entry};
 use crate::lines::{Card, Place, Row, Sources, folded};
 use crate::pretension::PreTension;
-use crate::steps::Step;
+use crate::steps::{Acting, Course, Step};
 use dotyk::case::nearest;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -188,7 +189,7 @@ pub(crate) struct Deck {
     /// Temperature of each node before the first step.
     pub initial: BTreeMap<Index, f64>,
     pub steps: Vec<Step>,
-    pub acting: crate::steps::Acting,
+    pub acting: Acting,
     /// What was passed over, with its line.
     pub notes: Vec<String>,
 }
@@ -210,6 +211,7 @@ impl Deck {
         deck.surfaces(cards)?;
         deck.cut_sections(cards)?;
         crate::steps::read(&mut deck, cards, &held)?;
+        deck.act_on_kept_nodes();
         deck.treat_copies_alike();
         let axes = deck.axes();
         crate::equations::rigid_sides(&mut deck, &equal, axes)?;
@@ -265,32 +267,63 @@ impl Deck {
             held.extend(single);
         }
         self.same = crate::equations::same(self, &mut equal, self.axes());
-        let of: BTreeMap<Index, Index> = self
-            .same
-            .iter()
-            .map(|[kept, gone]| (*gone, *kept))
-            .collect();
-        let kept = |node: Index| {
-            let mut node = node;
-            while let Some(next) = of.get(&node) {
-                node = *next;
-            }
-            node
-        };
-        if !of.is_empty() {
-            let nodes = self
-                .elements
-                .iter_mut()
-                .flat_map(|element| &mut element.nodes);
-            nodes.for_each(|node| *node = kept(*node));
-            self.index.values_mut().for_each(|node| *node = kept(*node));
-            for set in self.node_sets.values_mut() {
-                let mut seen = BTreeSet::new();
-                set.members.iter_mut().for_each(|node| *node = kept(*node));
-                set.members.retain(|node| seen.insert(*node));
-            }
+        let kept = self.kept();
+        let elements = self.elements.iter_mut();
+        let nodes = elements.flat_map(|element| &mut element.nodes);
+        nodes.for_each(|node| *node = kept(*node));
+        for Equal { nodes, .. } in &mut equal {
+            *nodes = nodes.map(&kept);
         }
         Ok((equal, held))
+    }
+
+    /// The node that stands for a node since equations made them one.
+    pub fn kept(&self) -> impl Fn(Index) -> Index + use<> {
+        let pairs = self.same.iter().map(|[kept, gone]| (*gone, *kept));
+        let of: BTreeMap<Index, Index> = pairs.collect();
+        move |node| of.get(&node).copied().unwrap_or(node)
+    }
+
+    /// Gives the nodes that stay what lines name those for that they stand. Forces add: both nodes bear theirs.
+    fn act_on_kept_nodes(&mut self) {
+        if self.same.is_empty() {
+            return;
+        }
+        let kept = self.kept();
+        let one = |nodes: &mut Vec<Index>| {
+            let mut seen = BTreeSet::new();
+            nodes.iter_mut().for_each(|node| *node = kept(*node));
+            nodes.retain(|node| seen.insert(*node));
+        };
+        let surfaces = self.surfaces.values_mut();
+        surfaces
+            .filter_map(|surface| surface.nodes.as_mut())
+            .for_each(one);
+        for coupling in &mut self.couplings {
+            one(&mut coupling.nodes);
+            coupling.reference = kept(coupling.reference);
+            coupling.rotation = coupling.rotation.map(&kept);
+        }
+        for pair in &mut self.pairs {
+            if let Some(Adjust::Nodes(nodes)) = &mut pair.adjust {
+                one(nodes);
+            }
+        }
+        for [kept, gone] in &self.same {
+            if let Some(value) = self.initial.remove(gone) {
+                self.initial.entry(*kept).or_insert(value);
+            }
+        }
+        let Acting {
+            held,
+            forces,
+            temperatures,
+            ..
+        } = &mut self.acting;
+        let of_component = |(node, freedom): (Index, u8)| (kept(node), freedom);
+        held.rename(of_component, |_, _| {});
+        forces.rename(of_component, Course::add);
+        temperatures.rename(&kept, |_, _| {});
     }
 
     fn nodes(&mut self, card: &Card) -> Result<(), Fault> {
@@ -508,11 +541,18 @@ impl Deck {
                     for row in &card.rows {
                         nodes.extend(self.nodes_of(card, row, 0)?);
                     }
+                    if nodes.is_empty() {
+                        return Err(card.fault(format!("surface {name} has no nodes")));
+                    }
                     surface.nodes = Some(nodes);
                 }
                 _ => {
                     return Err(card.fault(format!("TYPE={kind}: a surface is of ELEMENT or NODE")));
                 }
+            }
+            if surface.faces.is_empty() && surface.nodes.is_none() {
+                let message = format!("surface {name} has no faces");
+                return Err(card.fault(message));
             }
             if self.surfaces.insert(folded(name), surface).is_some() {
                 return Err(card.fault(format!("there are two surfaces {name}")));

@@ -22,7 +22,7 @@ const EQUAL: f64 = 1e-9;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Equal {
     place: Place,
-    nodes: [Index; 2],
+    pub nodes: [Index; 2],
     freedom: u8,
 }
 
@@ -80,7 +80,7 @@ pub(crate) fn read(deck: &Deck, card: &Card) -> Result<Read, Fault> {
     Ok((equal, held))
 }
 
-/// Nodes that are one: the second of each is to be replaced by the first. Their equations leave the list.
+/// Nodes that are one: the second of each, named once, is to be replaced by the first, which stays. Their equations leave the list.
 pub(crate) fn same(deck: &Deck, equal: &mut Vec<Equal>, axes: usize) -> Vec<[Index; 2]> {
     let size = (0..3).map(|d| {
         let along = deck.points.iter().map(|p| p[d]);
@@ -103,7 +103,23 @@ pub(crate) fn same(deck: &Deck, equal: &mut Vec<Equal>, axes: usize) -> Vec<[Ind
         .filter(|(pair, of)| near(**pair) && whole(of));
     let pairs: Vec<[Index; 2]> = pairs.map(|(pair, _)| *pair).collect();
     equal.retain(|equation| !pairs.contains(&equation.sorted()));
-    pairs
+    let mut first: BTreeMap<Index, Index> = BTreeMap::new();
+    for pair in pairs {
+        let [a, b] = pair.map(|node| stays(&first, node));
+        if a != b {
+            first.insert(a.max(b), a.min(b));
+        }
+    }
+    let one = first.keys().map(|&node| [stays(&first, node), node]);
+    one.collect()
+}
+
+/// The node that stays, of nodes that each may be replaced by another one.
+fn stays(first: &BTreeMap<Index, Index>, mut node: Index) -> Index {
+    while let Some(&next) = first.get(&node) {
+        node = next;
+    }
+    node
 }
 
 impl Equal {

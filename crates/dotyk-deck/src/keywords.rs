@@ -41,6 +41,7 @@ const OUTPUT: &[&str] = &[
     "SURFACE",
     "SET",
     "POSITION",
+    "DIRECTIONS",
 ];
 
 /// Keywords, their parameters, and what becomes of them.
@@ -82,7 +83,7 @@ pub(crate) const KEYWORDS: &[Entry] = &[
     ),
     ("SURFACE INTERACTION", &["NAME"], Read),
     ("SURFACE BEHAVIOR", &["PRESSURE-OVERCLOSURE"], Read),
-    ("FRICTION", &[], Read),
+    ("FRICTION", &["SLIP TOLERANCE"], Read),
     ("CHANGE FRICTION", &["INTERACTION"], Read),
     ("CHANGE SURFACE BEHAVIOR", &["INTERACTION"], Read),
     (

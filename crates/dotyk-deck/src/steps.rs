@@ -9,7 +9,8 @@ use crate::deck::*;
 use crate::error::Fault;
 use crate::keywords::{Becomes, entry};
 use crate::lines::{Card, Place, Row, folded};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
+use std::collections::btree_map::{BTreeMap, Entry};
 
 /// Values over the steps, from one line of the deck.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,13 +25,33 @@ pub(crate) struct Course {
     pub fixed: Vec<bool>,
 }
 
+impl Course {
+    /// Adds the values of another one.
+    pub fn add(&mut self, other: &Self) {
+        for (own, other) in self.values.iter_mut().zip(&other.values) {
+            *own = match (*own, *other) {
+                (Some(own), Some(other)) => Some(own + other),
+                (own, other) => own.or(other),
+            };
+        }
+    }
+}
+
 /// What a value at a step depends on.
 #[derive(Debug, Clone)]
 struct Current {
     place: Place,
     of: String,
-    parts: Vec<(f64, Option<String>)>,
+    parts: Vec<Part>,
     fixed: bool,
+    keyword: String,
+}
+
+/// A value with its amplitude, and the keyword that brought it.
+#[derive(Debug, Clone)]
+struct Part {
+    value: f64,
+    amplitude: Option<String>,
     keyword: String,
 }
 
@@ -56,6 +77,11 @@ impl<K> Default for Courses<K> {
 impl<K: Ord + Clone> Courses<K> {
     /// A value from a line. With `adds` a second one in the same step adds to the first.
     fn give(&mut self, key: K, from: &From<'_>, part: (f64, Option<String>), adds: bool) {
+        let part = Part {
+            value: part.0,
+            amplitude: part.1,
+            keyword: from.keyword.to_string(),
+        };
         let first = self.touched.insert(key.clone());
         match self.now.get_mut(&key) {
             Some(current) if adds && !first => current.parts.push(part),
@@ -74,7 +100,10 @@ impl<K: Ord + Clone> Courses<K> {
 
     /// Takes away what a keyword has brought.
     fn clear(&mut self, keyword: &str) {
-        self.now.retain(|_, current| current.keyword != keyword);
+        self.now.retain(|_, current| {
+            current.parts.retain(|part| part.keyword != keyword);
+            !current.parts.is_empty()
+        });
         self.touched.retain(|key| self.now.contains_key(key));
     }
 
@@ -84,19 +113,35 @@ impl<K: Ord + Clone> Courses<K> {
         values.get(steps.checked_sub(1)?).copied().flatten()
     }
 
+    /// Courses of other things: of two that become one the first in order stays, changed by `joins`.
+    pub fn rename(&mut self, to: impl Fn(K) -> K, joins: impl Fn(&mut Course, &Course)) {
+        let (stay, go): (BTreeMap<_, _>, BTreeMap<_, _>) = std::mem::take(&mut self.all)
+            .into_iter()
+            .partition(|(key, _)| to(key.clone()) == *key);
+        self.all = stay;
+        for (key, course) in go {
+            match self.all.entry(to(key)) {
+                Entry::Occupied(known) => joins(known.into_mut(), &course),
+                Entry::Vacant(free) => {
+                    free.insert(course);
+                }
+            }
+        }
+    }
+
     /// Writes down the values at the end of a step. What is not named again stays: by an amplitude of total time it goes on, by one of
     /// the step it keeps the value reached, as in CalculiX.
     fn end(&mut self, step: usize, factor: impl Fn(&Option<String>) -> (f64, bool)) {
         for (key, current) in &mut self.now {
-            for (value, amplitude) in &mut current.parts {
-                let (factor, goes_on) = factor(amplitude);
+            for part in &mut current.parts {
+                let (factor, goes_on) = factor(&part.amplitude);
                 if !goes_on {
-                    (*value, *amplitude) = (*value * factor, None);
+                    (part.value, part.amplitude) = (part.value * factor, None);
                 }
             }
             let parts = current.parts.iter();
             let value = parts
-                .map(|(value, amplitude)| value * factor(amplitude).0)
+                .map(|part| part.value * factor(&part.amplitude).0)
                 .sum();
             let course = self.all.entry(key.clone()).or_insert_with(|| Course {
                 place: current.place,
@@ -236,6 +281,9 @@ pub(crate) fn read(
     Ok(())
 }
 
+/// Components of unit vectors of one direction differ by this at most.
+const SAME_WAY: f64 = 1e-9;
+
 struct Reader<'d> {
     deck: &'d mut Deck,
     step: Option<Step>,
@@ -251,17 +299,15 @@ struct Reader<'d> {
 
 impl Reader<'_> {
     fn card(&mut self, card: &Card, next: Option<&Card>) -> Result<(), Fault> {
-        const ALONE: [&str; 10] = [
+        const ALONE: [&str; 8] = [
             "STEP",
             "END STEP",
             "MATERIAL",
-            "SURFACE INTERACTION",
             "COUPLING",
             "RIGID BODY",
             "CLEARANCE",
             "CHANGE FRICTION",
             "CHANGE SURFACE BEHAVIOR",
-            "DISTRIBUTING",
         ];
         if let (true, Some(row)) = (ALONE.contains(&card.keyword.as_str()), card.rows.first()) {
             return Err(card.fault_at(
@@ -414,6 +460,10 @@ impl Reader<'_> {
 
     fn interaction(&mut self, card: &Card) -> Result<(), Fault> {
         let name = self.named(card, "NAME")?;
+        if let Some(row) = card.rows.first() {
+            let message = "the thickness of the interface is passed over";
+            self.deck.note(row.place, &card.keyword, message);
+        }
         let interaction = Interaction::default();
         if self
             .deck
@@ -469,7 +519,7 @@ impl Reader<'_> {
                 format!("the coefficient of friction must not be negative, found {value:?}"),
             ));
         }
-        if !row.field(1).is_empty() {
+        if !row.field(1).is_empty() || card.get("SLIP TOLERANCE").is_some() {
             self.deck.note(
                 card.place,
                 &card.keyword,
@@ -700,7 +750,7 @@ impl Reader<'_> {
             coupled.extend(first..=last);
         }
         let whole = card.rows.is_empty() || (1..=axes).all(|freedom| coupled.contains(&freedom));
-        if motion == Motion::Rigid && !whole {
+        if !whole {
             return Err(card.fault(format!(
                 "all of the degrees of freedom 1 to {axes} must be coupled"
             )));
@@ -729,7 +779,8 @@ impl Reader<'_> {
                     .members
                     .iter()
                     .flat_map(|e| self.deck.elements[*e as usize].nodes.clone());
-                (name.to_string(), nodes.collect())
+                let nodes: BTreeSet<Index> = nodes.collect();
+                (name.to_string(), nodes.into_iter().collect())
             }
             _ => return Err(card.fault("NSET or ELSET is needed, and one of the two")),
         };
@@ -1001,7 +1052,10 @@ impl Reader<'_> {
         for row in &card.rows {
             let freedom = row.freedom(card, 1)?;
             let value = row.number(card, 2, "the force")?;
-            for node in self.deck.nodes_of(card, row, 0)? {
+            let copies: BTreeSet<Index> = self.deck.copies.values().copied().collect();
+            let nodes = self.deck.nodes_of(card, row, 0)?.into_iter();
+            // of a node that is cut in two one bears the force
+            for node in nodes.filter(|node| !copies.contains(node)) {
                 let from = From::row(card, row);
                 self.deck.acting.forces.give(
                     (node, freedom),
@@ -1061,14 +1115,25 @@ impl Reader<'_> {
         if size == 0.0 {
             return Err(card.fault_at(row.place, "GRAV needs a direction in fields 4 to 6"));
         }
-        let way = way.map(|x| (x / size).to_bits());
+        let way = way.map(|x| x / size);
         let from = From::row(card, row);
         for element in self.deck.elements_of(card, row)? {
             let part = (value, amplitude.clone());
-            self.deck
-                .acting
-                .gravity
-                .give((element, way), &from, part, true);
+            let gravity = &mut self.deck.acting.gravity;
+            // a direction that is known but for rounding is that one
+            let own = gravity
+                .now
+                .range((element, [0; 3])..=(element, [u64::MAX; 3]));
+            let is_known = |known: &[u64; 3]| {
+                let off = known
+                    .iter()
+                    .zip(way)
+                    .map(|(bits, x)| f64::from_bits(*bits) - x);
+                off.into_iter().all(|off| off.abs() <= SAME_WAY)
+            };
+            let known = own.map(|(key, _)| key.1).find(is_known);
+            let way = known.unwrap_or(way.map(f64::to_bits));
+            gravity.give((element, way), &from, part, true);
         }
         Ok(())
     }

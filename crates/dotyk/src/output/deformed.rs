@@ -166,7 +166,9 @@ fn course_view(bounds: Box2, ranges: &[Range]) -> View {
     let size = sub(bounds.1, bounds.0);
     let own = PHONE - BAR;
     let tall = (own - 28.0) * size[1] / size[0].max(f64::MIN_POSITIVE) + 28.0;
-    let tall = tall.clamp(least_height(ranges), 320.0);
+    // colour bars of many bodies are taller than any figure should be
+    let least = least_height(ranges);
+    let tall = tall.clamp(least, least.max(320.0));
     View::fitted(bounds, [0.0, 0.0], [own, tall], Margin::all(14.0))
 }
 

@@ -111,8 +111,10 @@ impl Axis {
         } else {
             (0.1, 1.0)
         };
+        // the quotient of two numbers may be none
+        let [low, high] = [low, high].map(|value| value.clamp(LEAST, 1.0 / LEAST));
         // Room of a tenth of the span, at least of a factor 1.2, keeps points off the frame.
-        let room = (high / low).powf(0.05).max(1.2);
+        let room = 10f64.powf(0.05 * (high.log10() - low.log10())).max(1.2);
         let (low, high) = (low / room, high * room);
         let decades = high.log10().floor() - low.log10().ceil();
         let every = (decades / 7.0).ceil().max(1.0) as i32;
@@ -138,12 +140,15 @@ impl Axis {
     pub fn fraction(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         if self.log {
-            (value / low).ln() / (high / low).ln()
+            (value.ln() - low.ln()) / (high.ln() - low.ln())
         } else {
             (value - low) / (high - low)
         }
     }
 }
+
+/// Logarithmic axes end here, and at its inverse.
+const LEAST: f64 = 1e-250;
 
 /// Least and largest finite value; (0, 1) without any.
 fn finite_range(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -388,6 +393,10 @@ mod tests {
             [(0.0, "0".to_string())]
         );
         assert!(Axis::log("r", &[f64::NAN, 0.0]).ticks.len() >= 2);
+        // numbers whose quotient is none
+        let wide = Axis::log("r", &[f64::MIN_POSITIVE, 1e-12, f64::MAX]);
+        assert!((2..20).contains(&wide.ticks.len()), "{}", wide.ticks.len());
+        assert!((0.3..0.7).contains(&wide.fraction(1.0)));
     }
 
     #[test]

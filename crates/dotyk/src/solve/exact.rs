@@ -102,6 +102,12 @@ const UNMOVED: f64 = 1e-12;
 /// Forces below this part of the largest are rounding of the linear solves.
 const FORCE_ROUNDING: f64 = 1e-14;
 
+/// Loads below this part of those of other domains are their rounding.
+const UNLOADED: f64 = 1e-16;
+
+/// Forces below this part of those of the overlaps may be their rounding: as much as a matrix of condition 10⁶ makes of it.
+const MOVED_ALONG: f64 = 1e-9;
+
 /// How a phase ended.
 pub(crate) enum Ended {
     Converged,
@@ -205,6 +211,8 @@ pub(crate) struct Search<'a> {
     pub best: (f64, Forces),
     /// Largest force |d|/softness of the overlaps.
     asked: f64,
+    /// Domains that nothing loads.
+    still: Vec<bool>,
     /// Linear solves on the problem itself.
     pub steps: usize,
     /// Those on coarser problems, in solves of this size.
@@ -238,6 +246,7 @@ impl<'a> Search<'a> {
             residual: f64::INFINITY,
             best: (f64::INFINITY, Forces::none(setup)),
             asked: if force.is_finite() { force } else { 0.0 },
+            still: still(setup),
             steps: 0,
             coarse: 0.0,
             products: setup.products(),
@@ -436,6 +445,7 @@ impl<'a> Search<'a> {
         self.point = point;
         self.drop_rounding();
         self.judge();
+        self.drop_forces_of_motion();
         if !loose.is_empty() {
             let mut open = vec![false; setup.len()];
             for (state, (_, range)) in states.iter().zip(setup.admissible.iter()) {
@@ -466,7 +476,45 @@ impl<'a> Search<'a> {
         if !rest {
             self.point.lambda.fill(0.0);
             self.point.product.fill(0.0);
+        } else if self.still.contains(&true) {
+            self.leave_still();
         }
+    }
+
+    /// Where bodies move along without any force, what is left of the forces that parted them is rounding: none are tried, and kept
+    /// where they are better.
+    fn drop_forces_of_motion(&mut self) {
+        let force = largest(0.0, &self.point.lambda);
+        let along = force > 0.0 && force <= MOVED_ALONG * self.asked;
+        if self.residual <= self.tolerance || !along {
+            return;
+        }
+        let here = (self.residual, self.point.clone());
+        self.point.lambda.fill(0.0);
+        self.point.product.fill(0.0);
+        self.judge();
+        if self.residual.is_nan() || self.residual >= here.0 {
+            (self.residual, self.point) = here;
+            self.judge();
+        }
+    }
+
+    /// Domains that nothing loads have no forces and do not move: theirs are rounding of those of the others.
+    fn leave_still(&mut self) {
+        let (setup, still) = (self.setup, &self.still);
+        let coupled = &setup.problem.coupled;
+        for row in (0..setup.len()).filter(|&row| still[coupled.domain_of(row)]) {
+            self.point.lambda[row] = 0.0;
+            self.point.product[row] = 0.0;
+        }
+        let mut alpha = vec![0.0; setup.balance.load().len()];
+        setup.balance.to_original(&self.point.alpha, &mut alpha);
+        for (mode, alpha) in alpha.iter_mut().enumerate() {
+            if still[coupled.domain_of_mode(mode)] {
+                *alpha = 0.0;
+            }
+        }
+        setup.balance.from_original(&alpha, &mut self.point.alpha);
     }
 
     pub fn judge(&mut self) {
@@ -570,6 +618,23 @@ impl<'a> Search<'a> {
             reason: reason.to_string(),
         }
     }
+}
+
+/// Domains whose overlaps and loads are zero, or rounding beside those of others: no forces and no motion are their answer.
+fn still(setup: &Setup<'_>) -> Vec<bool> {
+    let (problem, load) = (setup.problem, setup.balance.load());
+    let coupled = &problem.coupled;
+    let mut loaded = vec![0.0f64; coupled.domains()];
+    let mut count = |domain: usize, force: f64| loaded[domain] = loaded[domain].max(force.abs());
+    for (row, (shift, softness)) in setup.shift.iter().zip(&problem.softness).enumerate() {
+        count(coupled.domain_of(row), shift / softness);
+    }
+    for (mode, load) in load.iter().enumerate() {
+        count(coupled.domain_of_mode(mode), *load);
+    }
+    let all = loaded.iter().copied().fold(0.0, f64::max);
+    let is_still = |own: f64| all > 0.0 && own <= UNLOADED * all;
+    loaded.into_iter().map(is_still).collect()
 }
 
 /// Moves α̂ along its undetermined directions `loose`, by the least norm, until no gap of an `open` contact overlaps.

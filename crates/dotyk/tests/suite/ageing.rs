@@ -210,3 +210,22 @@ fn a_modulus_that_is_none_is_refused() {
         assert!(error.contains(words), "{to}: {error}");
     }
 }
+
+/// A bar that ages beside a block that yields, and that it does not touch.
+#[test]
+fn what_yields_leaves_the_stress_of_what_ages() {
+    let other = "[[body]]\nname = \"metal\"\n\
+        mesh = { rectangle = { from = [9, 0], to = [10, 1], cells = [2, 2], cell = \"quad9\" } }\n\
+        material = { young = 1000, poisson = 0, strength = { yield = 6 }, plastic = true, hardening = 100 }\n\
+        fix = [{ side = \"bottom\", y = 0 }, { point = [9, 0], x = 0 }]\n\
+        load = [{ side = \"top\", traction = [0, \"-q\"] }]";
+    let load = "load = [{ side = \"right\", traction = [\"0.3*t\", 0] }]";
+    let alone = lengthening(&bar(load, ""));
+    for q in ["3", "4*t"] {
+        let beside = lengthening(&bar(load, &other.replace("-q", &format!("-{q}"))));
+        for (beside, alone) in beside.iter().zip(&alone) {
+            near(beside[0], alone[0], 1e-9);
+            near(beside[1], alone[1], 1e-9);
+        }
+    }
+}

@@ -1055,3 +1055,83 @@ fn a_body_that_its_point_moves_through_the_air_bears_nothing() {
         }
     }
 }
+
+/// Two blocks that do not touch, each with a rigid side; one of them is not loaded.
+#[test]
+fn what_nothing_loads_does_not_disturb_the_others() {
+    let block = |name: &str, at: f64, point: [f64; 3], more: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\n\
+             mesh = {{ box = {{ from = [{at}, 0, 0], to = [{}, 1, 1], cells = [1, 1, 1] }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             points = {{ p = {point:?} }}\ncouple = [{{ side = \"right\", point = \"p\", kind = \"rigid\" }}]\n\
+             fix = [{{ side = \"left\", x = 0, y = 0, z = 0 }}]\n{more}\n",
+            at + 1.0
+        )
+    };
+    let mut random = Random(511);
+    for trial in 0..40 {
+        let mut near = || [0.0; 3].map(|_| 0.5 + 1.5 * random.signed());
+        let (first, second) = (near(), near());
+        let load = match trial % 2 {
+            0 => "load = [{ point = \"p\", force = [0, -1, 0.3] }]",
+            _ => "fix = [{ side = \"left\", x = 0, y = 0, z = 0 }, { point = \"p\", y = -0.01 }]",
+        };
+        let own = block("own", 0.0, first, load).replacen(
+            "fix = [{ side = \"left\", x = 0, y = 0, z = 0 }]\nfix",
+            "fix",
+            1,
+        );
+        let solve = |text: String| {
+            let text = format!("analysis = \"3d\"\n{text}");
+            let case = Case::<3>::from_str(&text, "couples.toml", "".as_ref()).unwrap();
+            case.model
+                .solve()
+                .unwrap_or_else(|error| panic!("{trial}: {error}"))
+        };
+        let alone = solve(own.clone());
+        let both = solve(own + &block("other", 5.0, second, ""));
+        assert!(both.converged && both.solver.iterations == alone.solver.iterations);
+        let size = alone.bodies[0]
+            .displacement
+            .iter()
+            .map(|u| norm(*u))
+            .fold(0.0, f64::max);
+        for (a, b) in both.bodies[0]
+            .displacement
+            .iter()
+            .zip(&alone.bodies[0].displacement)
+        {
+            assert!(distance(*a, *b) < 1e-12 * size, "{trial}: {a:?} {b:?}");
+        }
+        let still = both.bodies[1].displacement.iter();
+        assert!(still.copied().all(|u| u == [0.0; 3]));
+    }
+}
+
+/// A block that nothing else holds goes with its turned side, and no force is left.
+#[test]
+fn a_free_body_turns_with_its_point() {
+    let mut random = Random(512);
+    for cells in ["[2, 3, 4]", "[4, 4, 4]"] {
+        for _ in 0..4 {
+            let point = [0.0; 3].map(|_| 2.0 * random.signed());
+            let turn = [0.0; 3].map(|_| 0.3 * random.signed());
+            let text = format!(
+                "analysis = \"3d\"\n[[body]]\nname = \"block\"\n\
+                 mesh = {{ box = {{ from = [0, 0, 0], to = [1, 1, 1], cells = {cells}, cell = \"hex20\" }} }}\n\
+                 material = {{ young = 210000, poisson = 0.3 }}\npoints = {{ p = {point:?} }}\n\
+                 couple = [{{ side = \"right\", point = \"p\", kind = \"rigid\" }}]\n\
+                 fix = [{{ point = \"p\", x = 0, y = 0, z = 0, rotation = {{ x = {:?}, y = {:?}, z = {:?} }} }}]\n",
+                turn[0], turn[1], turn[2]
+            );
+            let case = Case::<3>::from_str(&text, "turned.toml", "".as_ref()).unwrap();
+            let solved = case.model.solve().unwrap();
+            assert!(solved.converged);
+            let points = case.model.bodies[0].mesh.points().iter();
+            for (x, u) in points.zip(&solved.bodies[0].displacement) {
+                assert!(distance(*u, cross(turn, sub(*x, point))) < 1e-9, "{u:?}");
+            }
+        }
+    }
+}

@@ -179,7 +179,7 @@ impl Turns {
         each.collect()
     }
 
-    /// R of displacements.
+    /// R of displacements; bodies that do not yield keep the stress that they have kept.
     fn returned<const D: usize>(
         &self,
         model: &Model<D>,
@@ -191,8 +191,11 @@ impl Turns {
             began.returned(of, (u, condensed.time))
         })?;
         let all = returned.into_iter().zip(&self.began);
-        let all = all.map(|(yielded, began)| {
-            let (yielded, began) = (yielded?, began.as_ref()?);
+        let all = all.zip(&condensed.bodies);
+        let all = all.map(|((yielded, began), body)| {
+            let Some((yielded, began)) = yielded.zip(began.as_ref()) else {
+                return body.system.history.yielded.clone();
+            };
             let some = began.gives_way() || !yielded.is_nothing();
             some.then(|| Arc::new(yielded))
         });
