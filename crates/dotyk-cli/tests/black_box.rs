@@ -2037,7 +2037,7 @@ fn check_tells_what_points_hold() {
     }
 }
 
-/// Four bodies whose stresses differ by much have a colour range each.
+/// Bodies whose stresses differ by much have a colour range each: more of them than a small figure is tall.
 #[test]
 fn bodies_of_many_colour_ranges_are_drawn_over_steps() {
     let body = |k: i32| {

@@ -1049,10 +1049,10 @@ impl Reader<'_> {
         if new {
             self.deck.acting.forces.clear("CLOAD");
         }
+        let copies: BTreeSet<Index> = self.deck.copies.values().copied().collect();
         for row in &card.rows {
             let freedom = row.freedom(card, 1)?;
             let value = row.number(card, 2, "the force")?;
-            let copies: BTreeSet<Index> = self.deck.copies.values().copied().collect();
             let nodes = self.deck.nodes_of(card, row, 0)?.into_iter();
             // of a node that is cut in two one bears the force
             for node in nodes.filter(|node| !copies.contains(node)) {

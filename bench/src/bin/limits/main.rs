@@ -25,6 +25,9 @@ use std::time::Instant;
 /// Cells along the edge of the blocks that are solved as wholes, and of those in pieces alone.
 const CELLS: [usize; 2] = [48, 60];
 
+/// Fewest: the smaller block has one cell then.
+const LEAST: usize = 12;
+
 /// Pieces of which the coarse problem is solved alone, along an edge of a cube.
 const PIECES: usize = 22;
 
@@ -47,8 +50,8 @@ fn arguments(mut words: impl Iterator<Item = String>) -> Result<[usize; 2], Stri
             _ => return Err(format!("`{word}` is not an argument: --cells N, --large N")),
         };
         let value = words.next().and_then(|text| text.parse().ok());
-        let value = value.filter(|&n: &usize| n >= 8);
-        cells[place] = value.ok_or_else(|| format!("{word} needs a number from 8"))?;
+        let value = value.filter(|&n: &usize| n >= LEAST);
+        cells[place] = value.ok_or_else(|| format!("{word} needs a number from {LEAST}"))?;
     }
     Ok(cells)
 }
