@@ -65,6 +65,12 @@ enum Command {
     Export(export::Arguments),
     /// Turn a deck of Abaqus or CalculiX into a case file and a mesh
     Import(import::Arguments),
+    /// Not supported yet
+    #[command(hide = true)]
+    Safety(Later),
+    /// Not supported yet
+    #[command(hide = true)]
+    Limit(Later),
     /// List every key of a case file
     #[command(visible_alias = "keys", after_long_help = keys::TEXT)]
     Reference,
@@ -73,6 +79,13 @@ enum Command {
         /// bash, zsh, fish, elvish or powershell
         shell: clap_complete::Shell,
     },
+}
+
+/// Arguments of a command of a later version.
+#[derive(clap::Args)]
+struct Later {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    _arguments: Vec<OsString>,
 }
 
 /// Solve cases on several processes: `mpirun -n 4 dotyk-mpi run CASE.toml`.
@@ -217,6 +230,8 @@ fn status(command: Command) -> u8 {
         Command::Study(arguments) => study::study(&arguments),
         Command::Export(arguments) => export::export(&arguments),
         Command::Import(arguments) => import::import(&arguments),
+        Command::Safety(_) => later("safety"),
+        Command::Limit(_) => later("limit"),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Cli::command(), "dotyk", &mut script);
@@ -224,6 +239,11 @@ fn status(command: Command) -> u8 {
         }
         Command::Reference => text::print(keys::TEXT).map(|()| Outcome::Done),
     })
+}
+
+fn later(command: &str) -> Result<Outcome, Failure> {
+    let message = format!("`dotyk {command}` is not supported yet");
+    Err(Failure::Message(message))
 }
 
 fn status_of(outcome: Result<Outcome, Failure>) -> u8 {

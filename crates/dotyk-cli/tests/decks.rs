@@ -228,11 +228,11 @@ fn decks_without_an_answer_end_with_the_status_of_ccx() {
     assert_eq!(output.status.code(), Some(201), "{}", told(&output));
 }
 
-/// A cube of E = 1000 and density 2 that is held at its floor, with the top as a set, a surface and the element `All`.
+/// A cube of E = 1000 and density 2 that is held at its floor, a set with the name of a parameter below a line that ends with a comma, with the top as a set, a surface and the element `All`.
 const CUBE: &str = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
-    *ELEMENT, TYPE=C3D8I, ELSET=All\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=Floor\n1, 2, 3, 4\n*NSET, NSET=Top\n5, 6, 7, 8\n\
+    *ELEMENT, TYPE=C3D8I, ELSET=All\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=Fixed\n1, 2, 3, 4\n*NSET, NSET=Top\n5, 6, 7, 8\n\
     *SURFACE, NAME=Roof\nAll, S2\n*MATERIAL, NAME=M\n*ELASTIC\n1000., 0.\n*DENSITY\n2.\n*SOLID SECTION, ELSET=All, MATERIAL=M\n\
-    *AMPLITUDE, NAME=Ramp\n0., 0., 4., 1.\n*AMPLITUDE, NAME=Total, TIME=TOTAL TIME\n0., 0., 4., 1.\n*BOUNDARY\nFloor, 1, 3\n";
+    *AMPLITUDE, NAME=Ramp\n0., 0., 4., 1.,,\n*AMPLITUDE, NAME=Total, TIME=TOTAL TIME\n0., 0., 4., 1.\n*BOUNDARY,\nFixed, 1, 3,\n";
 
 /// 1000 times the displacement of the top at the end of each step; what stands before a `|` is the time of a step.
 fn lifted(name: &str, steps: &[&str]) -> Vec<f64> {
@@ -366,6 +366,18 @@ fn loads_and_supports_go_on_from_step_to_step_as_in_calculix() {
                 "{name}: {found:?}, and not {wanted:?}"
             );
         }
+    }
+}
+
+#[test]
+fn loads_change_in_hundreds_of_steps() {
+    let load = |step: usize| (100.0 * (step as f64).sin()).round() / 100.0;
+    let steps: Vec<String> = (0..300)
+        .map(|step| format!("*CLOAD, OP=NEW\nTop, 3, {:?}\n", load(step)))
+        .collect();
+    let steps: Vec<&str> = steps.iter().map(String::as_str).collect();
+    for (step, found) in lifted("steps", &steps).into_iter().enumerate() {
+        near(found, 4.0 * load(step), &format!("step {}", step + 1));
     }
 }
 

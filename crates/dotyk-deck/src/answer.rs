@@ -101,7 +101,7 @@ impl Deck {
             false => "THAT IS NOT SMALL, and this answer is a rough one",
         };
         Ok(Some(format!(
-            "{source}:{}: *STEP: NLGEOM is not supported yet, motion is taken as small; strains reach {strain:.1e} and rotations {rotation:.1e} rad: {judged}",
+            "{source}:{}: *STEP: NLGEOM: strains reach {strain:.1e} and rotations {rotation:.1e} rad: {judged}",
             step.place.line
         )))
     }

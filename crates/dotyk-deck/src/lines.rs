@@ -262,7 +262,7 @@ impl Reader {
 
     fn data(&mut self, place: Place, line: &str) -> Result<(), Fault> {
         let mut fields: Vec<String> = line.split(',').map(|f| f.trim().to_string()).collect();
-        if fields.len() > 1 && fields.last().is_some_and(String::is_empty) {
+        while fields.len() > 1 && fields.last().is_some_and(String::is_empty) {
             fields.pop();
         }
         let row = Row { place, fields };
@@ -280,8 +280,8 @@ impl Reader {
     }
 }
 
-/// Whether a line that ends with a comma goes on below: the next line that counts has a parameter of the keyword, or `=`, and is no line
-/// of data, which begins with a number or the name of a set.
+/// Whether a line that ends with a comma goes on below: the next line that counts has `=` or nothing but parameters of the keyword. A line
+/// of data begins with a number or the name of a set, which may be called like a parameter.
 fn goes_on(text: &str, index: usize, keyword: &str) -> bool {
     let below = text.lines().skip(index + 1).map(str::trim);
     let mut below = below.filter(|line| !line.is_empty() && !line.starts_with("**"));
@@ -291,9 +291,11 @@ fn goes_on(text: &str, index: usize, keyword: &str) -> bool {
         .split(',')
         .next()
         .unwrap_or_default();
-    let first = next.split(',').next().unwrap_or_default();
-    let known = entry(word).is_some_and(|entry| parameter(entry, first).is_some());
-    !next.starts_with('*') && (next.contains('=') || known)
+    let mut own = next.split(',').map(str::trim).filter(|own| !own.is_empty());
+    let known = |entry| own.all(|own| parameter(entry, own).is_some());
+    !next.is_empty()
+        && !next.starts_with('*')
+        && (next.contains('=') || entry(word).is_some_and(known))
 }
 
 /// The text of a file; what is not UTF-8 is taken byte by byte, and a mark of byte order is passed over.

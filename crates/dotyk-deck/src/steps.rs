@@ -252,6 +252,7 @@ pub(crate) fn read(
         asked: BTreeSet::new(),
         had: BTreeSet::new(),
         statics: false,
+        told: BTreeSet::new(),
     };
     for (at, card) in cards.iter().enumerate() {
         reader.card(card, cards.get(at + 1))?;
@@ -295,6 +296,8 @@ struct Reader<'d> {
     /// Keywords that this step has had: OP=NEW acts on the first card of its keyword alone, as in CalculiX.
     had: BTreeSet<String>,
     statics: bool,
+    /// Remarks that were made once and hold for all steps.
+    told: BTreeSet<&'static str>,
 }
 
 impl Reader<'_> {
@@ -867,9 +870,17 @@ impl Reader<'_> {
                 step.place.line
             )));
         }
-        let nlgeom = card
-            .get("NLGEOM")
-            .is_some_and(|text| !["NO", "OFF"].contains(&folded(text).as_str()));
+        let wanted = card.get("NLGEOM").map(folded);
+        let nlgeom = wanted.is_some_and(|word| !["NO", "OFF"].contains(&word.as_str()));
+        if card.get("NLGEOM").is_some() {
+            self.tell_once(
+                card,
+                match nlgeom {
+                    true => "NLGEOM is not supported yet, motion is taken as small",
+                    false => "NLGEOM is passed over: motion is small",
+                },
+            );
+        }
         self.step = Some(Step {
             place: card.place,
             nlgeom,
@@ -880,6 +891,12 @@ impl Reader<'_> {
         self.had.clear();
         self.statics = false;
         Ok(())
+    }
+
+    fn tell_once(&mut self, card: &Card, message: &'static str) {
+        if self.told.insert(message) {
+            self.deck.note(card.place, &card.keyword, message);
+        }
     }
 
     fn statics(&mut self, card: &Card) -> Result<(), Fault> {
@@ -898,8 +915,15 @@ impl Reader<'_> {
         }
         let period = match card.rows.first() {
             Some(row) => {
-                row.number_or(card, 0, 1.0)?;
-                row.number_or(card, 1, 1.0)?
+                let increment = row.number_or(card, 0, 1.0)?;
+                let period = row.number_or(card, 1, 1.0)?;
+                if increment < period {
+                    self.tell_once(
+                        card,
+                        "increments are passed over: one answer at the end of the step",
+                    );
+                }
+                period
             }
             None => 1.0,
         };

@@ -513,6 +513,12 @@ impl Node {
     pub fn table(&self, keys: &'static [&'static str]) -> Result<Table<'_>, Fault> {
         let entries = self.entries()?;
         if let Some(entry) = entries.iter().find(|e| !keys.contains(&e.key.as_str())) {
+            let mut comes = crate::case::keys::LATER
+                .iter()
+                .filter(|(table, _)| *table == keys);
+            if comes.any(|(_, later)| later.contains(&entry.key.as_str())) {
+                return Err(later(&entry.key_span, &format!("`{}`", entry.key)));
+            }
             let message = format!("unknown key `{}`", entry.key);
             let words = ["the nearest known key", "known here"];
             let fault = Fault::new(&entry.key_span, message);

@@ -21,8 +21,8 @@ use crate::model::Formula;
 /// Deepest nesting of parentheses and signs: beyond it a text is refused instead of exhausting the stack.
 const DEEPEST: usize = 200;
 
-/// Longest text, in bytes: it bounds the depth of the tree that a chain of operators makes.
-const LONGEST: usize = 4000;
+/// Longest text, in bytes. Lines between the values of a thousand load steps, as programs write them, have room.
+const LONGEST: usize = 100_000;
 
 /// The vocabulary of expressions, for messages.
 pub(crate) const VOCABULARY: &str = "an expression is made of numbers, parameters, x y z t pi, + - * / ^ ( ), sin cos \
@@ -105,7 +105,8 @@ pub(crate) fn parse_formula(
 const VARIABLES: [&str; 4] = ["x", "y", "z", "t"];
 
 type Unary = (&'static str, fn(f64) -> f64);
-type Binary = (&'static str, fn(f64, f64) -> f64);
+type Binary = (&'static str, Operator);
+type Operator = fn(f64, f64) -> f64;
 
 const UNARY: [Unary; 13] = [
     ("sin", f64::sin),
@@ -158,7 +159,9 @@ enum Tree {
     Number(f64),
     Variable(usize),
     Unary(fn(f64) -> f64, Box<Tree>),
-    Binary(fn(f64, f64) -> f64, Box<[Tree; 2]>),
+    Binary(Operator, Box<[Tree; 2]>),
+    /// Operators of one rank from the left: in one place, so that the depth of the tree does not grow with their number.
+    Chain(Box<Tree>, Vec<(Operator, Tree)>),
 }
 
 impl Tree {
@@ -169,6 +172,12 @@ impl Tree {
             Self::Variable(index) => variables[*index],
             Self::Unary(f, a) => f(a.value(variables)),
             Self::Binary(f, ab) => f(ab[0].value(variables), ab[1].value(variables)),
+            Self::Chain(first, rest) => {
+                let rest = rest.iter();
+                rest.fold(first.value(variables), |left, (f, right)| {
+                    f(left, right.value(variables))
+                })
+            }
         }
     }
 
@@ -178,6 +187,10 @@ impl Tree {
             Self::Variable(_) => None,
             Self::Unary(f, a) => a.constant().map(f),
             Self::Binary(f, ab) => Some(f(ab[0].constant()?, ab[1].constant()?)),
+            Self::Chain(first, rest) => (rest.iter())
+                .try_fold(first.constant()?, |left, (f, right)| {
+                    Some(f(left, right.constant()?))
+                }),
         }
     }
 }
@@ -263,18 +276,22 @@ impl<'t> Parser<'t> {
         operators: &[char],
         operand: fn(&mut Self) -> Result<Tree, ExpressionError>,
     ) -> Result<Tree, ExpressionError> {
-        let mut left = operand(self)?;
+        let first = operand(self)?;
+        let mut rest: Vec<(Operator, Tree)> = Vec::new();
         while let Some(operator) = self.take(operators) {
             let right = operand(self)?;
-            let f: fn(f64, f64) -> f64 = match operator {
+            let f: Operator = match operator {
                 '+' => |a, b| a + b,
                 '-' => |a, b| a - b,
                 '*' => |a, b| a * b,
                 _ => |a, b| a / b,
             };
-            left = Tree::Binary(f, Box::new([left, right]));
+            rest.push((f, right));
         }
-        Ok(left)
+        Ok(match rest.is_empty() {
+            true => first,
+            false => Tree::Chain(Box::new(first), rest),
+        })
     }
 
     fn signed(&mut self) -> Result<Tree, ExpressionError> {
@@ -706,6 +723,8 @@ mod tests {
         assert!(error(&"2^".repeat(2000)).1.contains("deeply"));
         assert!(error(&"1+".repeat(100_000)).1.contains("longer"));
         assert_eq!(value(&("1+".repeat(1999) + "x")), 2002.0);
+        assert_eq!(value(&("1-".repeat(49_999) + "x")), 1.0 - 49_998.0 - 3.0);
+        assert_eq!(value(&("1*".repeat(49_999) + "1")), 1.0);
     }
 
     #[test]

@@ -710,7 +710,6 @@ fn solver_options<const D: usize>(node: &Node) -> Result<SolverOptions<D>, Fault
 fn subdomains(node: &Node) -> Result<Subdomains, Fault> {
     match &node.value {
         Value::Text(text) if text == "auto" => Ok(Subdomains::Auto),
-        Value::Text(_) => Err(node.expected("\"auto\" or a number of pieces")),
         _ => node.positive_integer("`subdomains`").map(Subdomains::Parts),
     }
 }

@@ -137,10 +137,42 @@ fn subdomains_are_a_number_or_chosen() {
     let given = |value: &str| read(&text(value)).unwrap().model.solver.subdomains;
     assert_eq!(given("\"auto\""), Subdomains::Auto);
     assert_eq!(given("12"), Subdomains::Parts(12));
+    assert_eq!(given("\"2*3\""), Subdomains::Parts(6));
     for wrong in ["0", "-3", "2.5", "\"many\"", "true", "[2]"] {
         let error = read(&text(wrong)).unwrap_err();
         let span = error.span.clone().unwrap();
-        assert_eq!(&error.source_text[span], wrong);
+        let at = &error.source_text[span];
+        assert!(wrong.trim_matches('"') == at || wrong == at, "{at}");
+    }
+}
+
+#[test]
+fn keys_of_later_versions_are_not_supported_yet() {
+    for (what, by, key) in [
+        ("tolerance = 1e-8\n", "motion = \"small\"\n", "motion"),
+        (
+            "tolerance = 1e-8\n",
+            "max_increments = 3\n",
+            "max_increments",
+        ),
+        ("tolerance = 1e-8\n", "output = \"increments\"\n", "output"),
+        (
+            "[solver]\n",
+            "[accuracy]\nbars = true\n[solver]\n",
+            "accuracy",
+        ),
+        (
+            "x = 0.0, y = 0.0",
+            "x = 0.0, y = 0.0, turn = { point = [0, 0], angle = 1 }",
+            "turn",
+        ),
+        ("traction =", "follower = true, traction =", "follower"),
+        ("traction =", "name = \"q\", traction =", "name"),
+    ] {
+        let error = read(&example(what, by)).unwrap_err();
+        assert_eq!(error.message, format!("`{key}` is not supported yet"));
+        let span = error.span.clone().unwrap();
+        assert_eq!(&error.source_text[span], key);
     }
 }
 

@@ -4,7 +4,8 @@
 //! outward normal there is opposed to n, and the segment between them crosses no boundary of the two bodies. In front of x (s > 0)
 //! the segment lies outside of both. Behind x (s < 0) the bodies overlap, and it lies inside of both: x itself is inside the other
 //! body, so that a surface on the far side of that body is not a partner, nor is one behind the far side of x's own body. An overlap
-//! is resolved in its short direction: a surface at the far end of a long overlap is not a partner either.
+//! is resolved in its short direction: a surface at the far end of a long overlap is not a partner either. A body that meets itself, at a
+//! slit say, overlaps where it goes on behind the surface that is met; where it ends there the segment is its own thickness.
 //! Cost: O(log n) for each line.
 
 use crate::contact::relative::frame;
@@ -309,6 +310,17 @@ impl<'a, const D: usize> Boundary<'a, D> {
         through.unwrap_or(f64::INFINITY)
     }
 
+    /// Whether the body goes on behind a place on a line.
+    fn goes_on_behind(&self, line: Line<D>, distance: f64, rounding: f64) -> bool {
+        let way = [distance + rounding, f64::INFINITY];
+        let met = self
+            .screen()
+            .meets(line, way, |cosine| cosine.abs() > ALONG)
+            .into_iter();
+        let next = met.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+        next.is_some_and(|(_, cosine)| cosine > 0.0)
+    }
+
     /// Whether a line passes through it between two distances.
     fn crossed(&self, line: Line<D>, way: [f64; 2], rounding: f64) -> bool {
         self.crossing(line, way, rounding).is_some()
@@ -404,6 +416,18 @@ impl<'a, const D: usize> SideSearch<'a, D> {
             || !self.other.crossed(line, way, rounding)
                 && (beside_own || !self.own.crossed(line, way, rounding))
                 && (distance > 0.0 || self.is_short(line, -distance, rounding))
+                && (distance > 0.0 || self.overlaps(line, -distance, rounding))
+    }
+
+    /// Whether what lies behind the start of a line to a depth, within one body or two, is an overlap: of one with itself, not its own
+    /// thickness.
+    fn overlaps(&self, line: Line<D>, depth: f64, rounding: f64) -> bool {
+        let back = Line {
+            start: line.start,
+            direction: line.direction.map(|c| -c),
+        };
+        let is_one = std::ptr::eq(self.own.mesh, self.other.mesh);
+        !is_one || self.own.goes_on_behind(back, depth, rounding)
     }
 
     /// Whether the overlap of the bodies behind the start of a line is at most [`LONGEST`] times as deep as it is wide half way there.
@@ -581,6 +605,28 @@ mod tests {
             direction: [0.0, -1.0],
         };
         assert_eq!(search.opposite(down, 0.01), None);
+    }
+
+    /// A strip bent to a ring whose ends overlap by an angle of 0.01: the ends meet each other, the sides do not meet through the strip.
+    #[test]
+    fn a_body_overlaps_itself_where_it_goes_on_behind() {
+        let rectangle = Rectangle {
+            from: [0.0, 1.0],
+            to: [std::f64::consts::TAU + 0.01, 2.0],
+            cells: [64, 2],
+            cell: CellKind::Quad4,
+            diagonals: Default::default(),
+        };
+        let bent = |[a, r]: Point<2>| [r * a.sin(), r * a.cos()];
+        let strip = rectangle.build().unwrap().map_points(bent).unwrap();
+        let end = SideSearch::new(&strip, &strip, strip.side("right").unwrap());
+        let line = |start: Point<2>, direction: Point<2>| Line { start, direction };
+        let hit = end.opposite(line([0.0, 1.5], [-1.0, 0.0]), 0.1).unwrap();
+        assert!((hit.distance + 0.015).abs() < 1e-4, "{hit:?}");
+        let inner = SideSearch::new(&strip, &strip, strip.side("bottom").unwrap());
+        assert_eq!(inner.opposite(line([0.0, -2.0], [0.0, -1.0]), 0.1), None);
+        let across = inner.opposite(line([1.0, 0.0], [-1.0, 0.0]), 0.1).unwrap();
+        assert!((across.distance - 2.0).abs() < 1e-2, "{across:?}");
     }
 
     #[test]

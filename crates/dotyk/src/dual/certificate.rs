@@ -48,7 +48,8 @@
 //! bodies are compared, too; that is done where the bodies are known.
 //!
 //! *Rounding of gaps.* A gap is a difference of displacements that may be much larger: a soft body carries a stiff one along.
-//! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it.
+//! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it. So is the part of
+//! a work that is rounding of the force and the length whose product it is: bodies may be carried without any strain.
 
 use std::fmt;
 
@@ -410,17 +411,12 @@ impl Violations {
             let gap = told(i);
             domain.primal_dual += force * gap;
             let asked = gap / problem.softness[i];
+            contact.error = larger(contact.error, error_along(component, force, asked));
             match component {
-                Component::Free => {
-                    domain.penetration = larger(domain.penetration, gap.abs());
-                    contact.error = larger(contact.error, asked.abs());
-                }
+                Component::Free => domain.penetration = larger(domain.penetration, gap.abs()),
                 Component::Normal => {
-                    let trial = force - asked;
-                    let nearest = if trial < 0.0 { 0.0 } else { trial };
                     domain.penetration = larger(domain.penetration, -gap);
                     contact.tension = larger(contact.tension, -force);
-                    contact.error = larger(contact.error, (force - nearest).abs());
                 }
                 Component::Tangent => continue,
             }
@@ -475,11 +471,13 @@ impl Violations {
             let force = sums.force.max(own.driving_force).max(scales.force);
             let moment = one_if_zero(force) * one_if_zero(scales.moment_arm);
             let (depth, energy) = (larger(sums.penetration, own.implied), own.elastic_energy);
+            let told = |work: f64| beyond(work, ROUNDING * force * scales.length);
             self.penetration.raise(depth, scales.length);
-            self.complementarity.raise(sums.complementarity, energy);
+            self.complementarity
+                .raise(told(sums.complementarity), energy);
             self.imbalance_force.raise(own.imbalance_force, force);
             self.imbalance_moment.raise(own.imbalance_moment, moment);
-            self.energy_gap.raise(own.energy_gap, energy);
+            self.energy_gap.raise(told(own.energy_gap), energy);
         }
         (self.contacts, self.domains) = (contacts, domains);
     }
@@ -582,6 +580,22 @@ impl DualProblem {
         self.violations(multipliers).residual()
     }
 
+    /// Distance (m,) of every force from the one that its gap asks for; that of a shear stands beside its first component.
+    pub(crate) fn force_errors(&self, multipliers: &Multipliers) -> Vec<f64> {
+        let (lambda, gap) = (&multipliers.lambda, self.gap(multipliers));
+        let rounding = self.rounding(&gap, &multipliers.alpha);
+        let asked = |i: usize| beyond(gap[i], rounding(i)) / self.softness[i];
+        let components = self.admissible.components().into_iter().enumerate();
+        let mut errors: Vec<f64> = components
+            .map(|(i, component)| error_along(component, lambda[i], asked(i)))
+            .collect();
+        let trial = |i: usize| lambda[i] - asked(i);
+        for (first, distance) in self.admissible.slip_violations(lambda, trial) {
+            errors[first] = larger(errors[first], distance);
+        }
+        errors
+    }
+
     /// The component with the largest finite force error, the difference between its force and the projected trial force; else `None`.
     pub(crate) fn least_settled(&self, multipliers: &Multipliers) -> Option<usize> {
         let (lambda, gap) = (&multipliers.lambda, self.gap(multipliers));
@@ -624,8 +638,22 @@ impl DualProblem {
     }
 }
 
+/// Distance of a force from the one that its component alone asks for, whose change by the gap is `asked`; zero along a shear.
+fn error_along(component: Component, force: f64, asked: f64) -> f64 {
+    match component {
+        Component::Free => asked.abs(),
+        Component::Normal => {
+            let trial = force - asked;
+            // in this order a NaN stays NaN
+            let nearest = if trial < 0.0 { 0.0 } else { trial };
+            (force - nearest).abs()
+        }
+        Component::Tangent => 0.0,
+    }
+}
+
 /// The part of a number beyond an uncertainty.
-fn beyond(value: f64, uncertainty: f64) -> f64 {
+pub(crate) fn beyond(value: f64, uncertainty: f64) -> f64 {
     // in this order a NaN stays NaN
     if value.abs() <= uncertainty {
         return 0.0;

@@ -34,7 +34,9 @@ mod split;
 
 pub use admissible::{AdmissibleSet, Component};
 pub use balance::Balance;
-pub(crate) use certificate::{BETWEEN_LIMIT, FORCE_LIMIT, NOT_OF_THE_SOLVER, ROUNDING, Violations};
+pub(crate) use certificate::{
+    BETWEEN_LIMIT, FORCE_LIMIT, NOT_OF_THE_SOLVER, ROUNDING, Violations, beyond,
+};
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, OfDomain, OfYield, Recomputed};
 pub use feasibility::{Feasibility, NO_WORK};
 pub(crate) use law::NONE;

@@ -4,7 +4,7 @@ use crate::fem::block::Cells;
 
 use crate::fem::enhanced::has_modes;
 use crate::fem::error::{FemError, show};
-use crate::fem::loads::{NodalLoads, nodal_loads};
+use crate::fem::loads::{NodalLoads, Size, nodal_loads};
 use crate::fem::modes::{RigidBasis, carried_motion, free_modes};
 use crate::fem::nouns::{Analysis, Body, Elastic, Formulation, History, Material, Part};
 use crate::fem::springs::{spring_loads, spring_stiffness, sprung_directions};
@@ -141,6 +141,9 @@ pub(crate) fn assemble_after<const D: usize>(
     }
     check_formulation(body, analysis)?;
     body.check_plastic(analysis)?;
+    if history.yielded.is_none() {
+        body.check_initial(analysis, time)?;
+    }
     body.check_ages(analysis)?;
     if let Some(why) = body.initial.unfit(analysis) {
         return Err(FemError::Initial { why });
@@ -293,7 +296,9 @@ impl Driving {
         frames: &BTreeMap<usize, [[f64; D]; D]>,
     ) -> Result<(), FemError> {
         if let Some(yielded) = &history.yielded {
-            let mut plastic = yielded.forces(body, analysis)?.concat();
+            let forces = yielded.forces(body, analysis)?;
+            self.largest_load = self.largest_load.max(Size::of(&forces).scale());
+            let mut plastic = forces.concat();
             into_frames(frames, &mut plastic);
             let sums = self.load.iter_mut().zip(plastic);
             sums.for_each(|(sum, force)| *sum += force);

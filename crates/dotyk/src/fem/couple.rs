@@ -3,7 +3,8 @@
 
 use crate::fem::error::{FemError, show};
 use crate::fem::nouns::{Analysis, Body};
-use crate::fem::supports::{finite, side_nodes};
+use crate::fem::sides::side_nodes;
+use crate::fem::supports::finite;
 use crate::geometry::{Field, Point, distance};
 
 /// How a side and its reference point move together.

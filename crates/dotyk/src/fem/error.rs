@@ -217,6 +217,18 @@ pub enum FemError {
         /// Reason and advice.
         why: &'static str,
     },
+    /// An initial stress that a material which yields does not bear.
+    #[error(
+        "its initial stress is outside the yield surface: at {place} von Mises' stress is {stress:.4e}, {beyond:.4e} beyond `yield`; let it obey the strength"
+    )]
+    Unborne {
+        /// Where it is worst.
+        place: String,
+        /// Its von Mises stress there.
+        stress: f64,
+        /// How much of it is beyond the yield stress.
+        beyond: f64,
+    },
     /// A plane analysis in space, or the other way round.
     #[error("analysis \"{analysis}\" does not fit {dimension} dimensions")]
     Dimension {

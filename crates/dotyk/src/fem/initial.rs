@@ -258,6 +258,15 @@ impl Initial {
         }
     }
 
+    /// Prepares σ₀ at some points.
+    pub(crate) fn prepare_stress<const D: usize>(&self, points: &[Point<D>], time: f64) {
+        let stress = self.stress.iter().flat_map(|stress| &stress.0);
+        let fields: Vec<&Field> = stress.chain(&self.pore).collect();
+        if fields.iter().any(|field| field.is_sampled()) {
+            Field::prepare(fields, points.iter().copied(), time);
+        }
+    }
+
     /// Prepares both at all points where they are evaluated, those of the recovery of stresses included.
     fn prepare<const D: usize>(&self, body: &Body<D>, time: f64) {
         let stress = self.stress.iter().flat_map(|stress| &stress.0);

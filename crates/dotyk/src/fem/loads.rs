@@ -6,7 +6,8 @@ use crate::fem::error::FemError;
 use crate::fem::initial::{Components, body_degree};
 use crate::fem::nouns::{Active, Analysis, Body, History, Place};
 use crate::fem::quadrature::{self, QuadraturePoint};
-use crate::fem::supports::{describe, finite, nearest_node, side_facets};
+use crate::fem::sides::side_facets;
+use crate::fem::supports::{describe, finite, nearest_node};
 use crate::geometry::{Field, Point, add_scaled, norm};
 use crate::mesh::{CellKind, Facet, MAX_FACET_NODES, Mesh};
 use std::collections::BTreeMap;
@@ -83,6 +84,13 @@ impl<const D: usize> Load<D> {
             Self::Traction { .. } | Self::Pressure { .. } | Self::InSitu { .. } => Amount::PerArea,
             Self::Resultant { .. } | Self::Force { .. } => Amount::Whole,
         }
+    }
+
+    /// Its values at points of its place with their normals, as [`Self::at`] has them; what is sampled is so for all at once.
+    pub fn values(&self, places: &[(Point<D>, Point<D>)], time: f64) -> Vec<Point<D>> {
+        Field::prepare(self.fields(), places.iter().map(|place| place.0), time);
+        let value = |&(point, normal): &(Point<D>, Point<D>)| self.at(point, normal, time);
+        places.iter().map(value).collect()
     }
 
     /// Its value at a point of its place at a time, in global axes; `normal` is the outward unit normal of a side.
@@ -192,7 +200,15 @@ impl<const D: usize> Size<D> {
         self.magnitude += norm(force);
     }
 
-    fn scale(&self) -> f64 {
+    /// Size of nodal forces (nodes,).
+    pub fn of(forces: &[Point<D>]) -> Self {
+        let mut size = Self::zero();
+        forces.iter().for_each(|&force| size.add(force));
+        size
+    }
+
+    /// The resultant; the sum of magnitudes where the forces balance themselves.
+    pub fn scale(&self) -> f64 {
         let resultant = norm(self.resultant);
         if resultant < BALANCED * self.magnitude {
             self.magnitude

@@ -18,6 +18,8 @@
 //!   loads the inner nodes by f = ∫ δp ∇N. If it were released, they would move by v = −f / k, k the stiffness of each against
 //!   distortion, and one step of steepest descent releases G = (f·v)² / 4 W(v), W the energy of distortion. Pressures that
 //!   alternate without forces, as they do in pairs of triangles, add nothing.
+//!
+//! A body with an initial strain expands without effort: its mean strain does not count in E, M and J, none of which bends a cell.
 
 use crate::fem::block::{Cells, Deformation};
 use crate::fem::borders::Borders;
@@ -42,6 +44,9 @@ pub(crate) struct Unseen {
     pub kind: Option<CellKind>,
 }
 
+/// An energy of strains about their mean below this part of the whole is rounding.
+const UNIFORM: f64 = 1e-9;
+
 /// Energies of some cells.
 #[derive(Debug, Clone, Copy, Default)]
 struct Energies {
@@ -50,6 +55,8 @@ struct Energies {
     jumps: f64,
     /// Of the recovered strain, where there are jumps.
     smooth: f64,
+    /// That of all, with the mean strain.
+    with_mean: f64,
 }
 
 /// The compliance that the linear cells of a body lack.
@@ -63,21 +70,26 @@ pub(crate) fn unseen<const D: usize>(
     strain: &[[f64; 6]],
 ) -> Result<Unseen, FemError> {
     let (mut all, mut excess, mut own, mut freed) = (0.0, 0.0, 0.0, 0.0);
-    let mut most = (0.0, None);
+    let (mut most, mut whole_energy) = ((0.0, None), 0.0);
     let borders = Borders::of(body)?;
-    let whole = Whole {
+    let mut whole = Whole {
         body,
         analysis,
         time,
         displacement,
         strain,
         borders: &borders,
+        mean: [0.0; 6],
     };
+    if body.initial.strain.is_some() {
+        whole.mean = whole.mean_strain()?;
+    }
     for elastic in elastic(body)? {
         let part = Part { whole, elastic };
         for (place, block) in part.blocks() {
             let found = part.energies(place, block)?;
             all += found.all;
+            whole_energy += found.with_mean;
             let unseen = found.modes + found.jumps;
             own += unseen;
             if found.jumps > 0.0 {
@@ -89,7 +101,8 @@ pub(crate) fn unseen<const D: usize>(
         }
         freed += part.freed()?;
     }
-    let part = if all > 0.0 {
+    // where all but the mean is rounding nothing bends
+    let part = if all > UNIFORM * whole_energy {
         1.0 - (1.0 - own / (all + excess)) / (1.0 + freed / all)
     } else {
         0.0
@@ -118,6 +131,30 @@ struct Whole<'a, const D: usize> {
     displacement: &'a [Point<D>],
     strain: &'a [[f64; 6]],
     borders: &'a Borders,
+    /// What does not count of the strain, the same everywhere.
+    mean: [f64; 6],
+}
+
+impl<const D: usize> Whole<'_, D> {
+    /// The mean strain of its displacements. Errors: a group of cells without a material.
+    fn mean_strain(&self) -> Result<[f64; 6], FemError> {
+        let (mut sum, mut volume) = ([0.0; 6], 0.0);
+        for block in self.body.mesh.blocks() {
+            let own = Cells::new(self.body, block, self.analysis, Formulation::Displacement)?;
+            let stride = block.cells().len().div_ceil(LOOKED_AT).max(1);
+            for cell in block.cells().step_by(stride) {
+                for q in 0..own.table.len() {
+                    let here = own.deformation(q, (cell, &[]), self.displacement);
+                    let strain = own.lame.strain(here.gradient, here.hoop);
+                    let part = stride as f64 * here.volume;
+                    volume += part;
+                    let both = sum.iter_mut().zip(strain);
+                    both.for_each(|(sum, e)| *sum += part * e);
+                }
+            }
+        }
+        Ok(sum.map(|sum| sum / volume))
+    }
 }
 
 /// The cells of a body that have one material.
@@ -166,6 +203,7 @@ impl<'a, const D: usize> Part<'a, D> {
             body,
             displacement,
             time,
+            mean,
             ..
         } = self.whole;
         let own = self.cells(block, body.formulation)?;
@@ -180,11 +218,13 @@ impl<'a, const D: usize> Part<'a, D> {
             for q in 0..own.table.len() {
                 let here = own.deformation(q, (cell, &modes), displacement);
                 let found = own.lame.stress(here.gradient, here.hoop);
+                sums.with_mean += here.volume * own.lame.energy(found);
+                let found = less(found, own.lame.stress_of(mean, self.whole.analysis));
                 sums.all += here.volume * own.lame.energy(found);
                 if jumps {
-                    let smooth = self.recovered(place, cell, own.table.shape(q));
+                    let smooth = less(self.recovered(place, cell, own.table.shape(q)), mean);
                     let smooth = own.lame.stress_of(smooth, self.whole.analysis);
-                    let jump = std::array::from_fn(|c| smooth[c] - found[c]);
+                    let jump = less(smooth, found);
                     sums.jumps += here.volume * own.lame.energy(jump);
                     sums.smooth += here.volume * own.lame.energy(smooth);
                 }
@@ -201,6 +241,7 @@ impl<'a, const D: usize> Part<'a, D> {
             modes: scale * sums.modes,
             jumps: scale * sums.jumps,
             smooth: scale * sums.smooth,
+            with_mean: scale * sums.with_mean,
         })
     }
 
@@ -292,6 +333,10 @@ impl<'a, const D: usize> Part<'a, D> {
         }
         inner
     }
+}
+
+fn less(a: [f64; 6], b: [f64; 6]) -> [f64; 6] {
+    std::array::from_fn(|c| a[c] - b[c])
 }
 
 fn trace(strain: [f64; 6]) -> f64 {

@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// Those `wanted` of the pieces of an assembled body whose cells have these numbers, block after block. A point of a spring belongs to
-/// the first piece that has all of its nodes, so that no piece has a negative stiffness.
+/// the first piece with a cell that has all of its nodes, so that no piece has a negative stiffness.
 ///
 /// Errors: those of the assembly of the body.
 pub(crate) fn pieces<const D: usize>(
@@ -77,7 +77,7 @@ pub(crate) fn pieces<const D: usize>(
     Ok(turned.collect())
 }
 
-/// The first part that has all nodes of each point of a spring.
+/// The first part that has a cell with all nodes of each point of a spring: nodes alone may belong to cells of which none has them all.
 fn owners<const D: usize>(
     parts: &[(Mesh<D>, Vec<u32>)],
     nodes: usize,
@@ -91,11 +91,32 @@ fn owners<const D: usize>(
         }
     }
     let owner = |point: &Vec<Entry>| {
-        let has_all = |piece: &&u32| point.iter().all(|e| of_node[e.0 / D].contains(piece));
-        let first = point.first().map_or(&[][..], |entry| &of_node[entry.0 / D]);
-        first.iter().find(has_all).copied()
+        let mut wanted: Vec<u32> = point.iter().map(|e| (e.0 / D) as u32).collect();
+        wanted.sort_unstable();
+        wanted.dedup();
+        let pieces_of = |&node: &u32| &of_node[node as usize];
+        let has_all = |piece: &u32| wanted.iter().map(pieces_of).all(|own| own.contains(piece));
+        let first = wanted.first().map_or(&[][..], |node| pieces_of(node));
+        let mut candidates = first.iter().copied().filter(has_all);
+        match (candidates.next(), candidates.next()) {
+            (Some(first), Some(second)) => {
+                let mut all = [first, second].into_iter().chain(candidates);
+                all.find(|&piece| has_cell(&parts[piece as usize], &wanted))
+            }
+            (only, _) => only,
+        }
     };
     springs.iter().map(owner).collect()
+}
+
+/// Whether some cell of a part has all of these nodes of the whole.
+fn has_cell<const D: usize>((mesh, nodes): &(Mesh<D>, Vec<u32>), wanted: &[u32]) -> bool {
+    let local = wanted.iter().map(|node| nodes.binary_search(node).ok());
+    let Some(local) = local.collect::<Option<Vec<usize>>>() else {
+        return false;
+    };
+    let has = |cell: &[u32]| local.iter().all(|&node| cell.contains(&(node as u32)));
+    mesh.blocks().iter().any(|block| block.cells().any(has))
 }
 
 fn dofs<const D: usize>(node: u32) -> impl Iterator<Item = u32> {
@@ -133,12 +154,12 @@ mod tests {
     use crate::mesh::{CellKind, Count, Cuboid};
 
     /// A cuboid that stands askew on a bed, beside a wall.
-    fn leaning() -> Body<3> {
+    fn leaning(cell: CellKind, cells: [usize; 3]) -> Body<3> {
         let cuboid = Cuboid {
             from: [0.0; 3],
             to: [3.0, 2.0, 1.0],
-            cells: [3, 2, 2],
-            cell: CellKind::Hex20,
+            cells,
+            cell,
         };
         let turned = |[x, y, z]: [f64; 3]| [0.8 * x + 0.6 * z, y, 0.8 * z - 0.6 * x];
         let mut body = body(cuboid.build().unwrap().map_points(turned).unwrap());
@@ -163,7 +184,7 @@ mod tests {
 
     #[test]
     fn what_is_assembled_of_divided_bodies_has_their_diagonal_and_moves_their_supports() {
-        let body = leaning();
+        let body = leaning(CellKind::Hex20, [3, 2, 2]);
         let assembled =
             |whole| assemble_after((&body, History::default()), Analysis::Solid, 1.0, whole);
         let [mut whole, mut part] = [true, false].map(|whole| assembled(whole).unwrap());
@@ -186,35 +207,38 @@ mod tests {
         }
     }
 
+    /// Of tetrahedra pieces may have all nodes of a facet of the bed without its cell.
     #[test]
     fn pieces_add_up_to_the_body() {
-        let body = leaning();
-        let system = assemble(&body, Analysis::Solid, 1.0).unwrap();
-        assert!(!system.frames.is_empty());
-        let of_cell = body.mesh.pieces(Count::Exactly(5));
-        let some = |wanted: Range<usize>| {
-            pieces((&body, &system), Analysis::Solid, &of_cell, wanted).unwrap()
-        };
-        // as two processes have them
-        let pieces = [some(0..2), some(2..5)]
-            .map(|own| own.into_iter())
+        let tetrahedra = [2, 3, 4, 5, 6].map(|count| (CellKind::Tet4, [3, 2, 1], count));
+        for (cell, cells, count) in [(CellKind::Hex20, [3, 2, 2], 5)]
             .into_iter()
-            .flatten();
-        let pieces: Vec<Piece> = pieces.collect();
-        assert_eq!(pieces.len(), 5);
-        let dofs = system.load.len();
-        let u: Vec<f64> = (0..dofs).map(|i| (1.7 * i as f64).sin()).collect();
-        let (mut whole, mut sum) = (vec![0.0; dofs], vec![0.0; dofs]);
-        system.stiffness.mul(&u, &mut whole);
-        for piece in &pieces {
-            let own: Vec<f64> = piece.dofs.iter().map(|&dof| u[dof as usize]).collect();
-            let mut force = vec![0.0; own.len()];
-            piece.stiffness.mul(&own, &mut force);
-            let both = piece.dofs.iter().zip(&force);
-            both.for_each(|(&dof, force)| sum[dof as usize] += force);
-        }
-        for (a, b) in sum.iter().zip(&whole) {
-            assert!((a - b).abs() < 1e-12);
+            .chain(tetrahedra)
+        {
+            let body = leaning(cell, cells);
+            let system = assemble(&body, Analysis::Solid, 1.0).unwrap();
+            assert!(!system.frames.is_empty());
+            let of_cell = body.mesh.pieces(Count::Exactly(count));
+            let some = |wanted: Range<usize>| {
+                pieces((&body, &system), Analysis::Solid, &of_cell, wanted).unwrap()
+            };
+            // as two processes have them
+            let pieces: Vec<Piece> = some(0..2).into_iter().chain(some(2..count)).collect();
+            assert_eq!(pieces.len(), count);
+            let dofs = system.load.len();
+            let u: Vec<f64> = (0..dofs).map(|i| (1.7 * i as f64).sin()).collect();
+            let (mut whole, mut sum) = (vec![0.0; dofs], vec![0.0; dofs]);
+            system.stiffness.mul(&u, &mut whole);
+            for piece in &pieces {
+                let own: Vec<f64> = piece.dofs.iter().map(|&dof| u[dof as usize]).collect();
+                let mut force = vec![0.0; own.len()];
+                piece.stiffness.mul(&own, &mut force);
+                let both = piece.dofs.iter().zip(&force);
+                both.for_each(|(&dof, force)| sum[dof as usize] += force);
+            }
+            for (a, b) in sum.iter().zip(&whole) {
+                assert!((a - b).abs() < 1e-12);
+            }
         }
     }
 }

@@ -25,7 +25,7 @@
 use crate::fem::block::Cells;
 use crate::fem::cells::measure;
 use crate::fem::elasticity::Lame;
-use crate::fem::error::FemError;
+use crate::fem::error::{FemError, show};
 use crate::fem::initial::along;
 use crate::fem::nouns::{Analysis, Body, Formulation, Material};
 use crate::fem::strength::Strength;
@@ -204,7 +204,44 @@ impl<const D: usize> Body<D> {
         };
         Err(FemError::Plastic { why })
     }
+
+    /// Errors: an initial stress outside the yield surface at a time, where the body has not yielded yet.
+    pub(crate) fn check_initial(&self, analysis: Analysis, time: f64) -> Result<(), FemError> {
+        if self.initial.stress.is_none() || !self.is_plastic() {
+            return Ok(());
+        }
+        let nodes = self.mesh.points();
+        let mut worst: Option<(f64, f64, Point<D>)> = None;
+        for own in points(self, analysis)? {
+            let Some(metal) = own.metal else { continue };
+            let table = &own.cells.table;
+            let places = own.block.cells().flat_map(|cell| {
+                (0..table.len()).map(move |q| table.map(q, |local| nodes[cell[local] as usize]).0)
+            });
+            let places: Vec<Point<D>> = places.collect();
+            self.initial.prepare_stress(&places, time);
+            for place in places {
+                let stress = self.initial.stress_at(place, time)?;
+                let beyond = metal.beyond(stress, 0.0);
+                let least = worst.map_or(UNBORNE * metal.yield_stress, |(most, ..)| most);
+                if beyond > least {
+                    worst = Some((beyond, von_mises(stress), place));
+                }
+            }
+        }
+        match worst {
+            None => Ok(()),
+            Some((beyond, stress, place)) => Err(FemError::Unborne {
+                place: show(place),
+                stress,
+                beyond,
+            }),
+        }
+    }
 }
+
+/// An initial stress beyond the yield surface by this part of the yield stress is outside.
+const UNBORNE: f64 = 1e-9;
 
 impl Plastic {
     /// Checks its constants, and the strength at which yielding begins.

@@ -9,9 +9,11 @@
 
 use crate::fem::error::{FemError, show};
 use crate::fem::nouns::{Analysis, Body, History, Place};
-use crate::geometry::{Field, Point, add_scaled, distance, dot, norm, unit};
-use crate::mesh::{Facet, Mesh};
-use std::collections::{BTreeMap, BTreeSet};
+use crate::fem::sides::side_nodes;
+use crate::fem::surface::node_normals;
+use crate::geometry::{Field, Point, add_scaled, distance, dot, norm};
+use crate::mesh::Mesh;
+use std::collections::BTreeMap;
 
 /// One prescribed displacement component: axis·u = value at a node.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,12 +82,11 @@ impl<const D: usize> Constraints<D> {
             let placed = history.placed.get(&index);
             let (nodes, normals) = match &support.place {
                 Place::Side(side) => {
-                    let facets = side_facets(&body.mesh, side)?;
-                    let mut sums = normal_sums(&body.mesh, facets);
-                    let twins = support.normal.as_ref().and_then(|_| body.twins());
-                    twins.inspect(|twins| twins.add_up(&mut sums));
-                    let normals = units(sums);
-                    (normals.keys().copied().collect::<Vec<_>>(), normals)
+                    let normals = match support.normal {
+                        Some(_) => node_normals(body, side)?,
+                        None => BTreeMap::new(),
+                    };
+                    (side_nodes(&body.mesh, side)?.into_iter().collect(), normals)
                 }
                 Place::Point(point) => (
                     vec![nearest_node(&body.mesh, *point, "support")?],
@@ -232,63 +233,6 @@ pub(crate) fn finite<const D: usize>(
             point: show(point),
         })
     }
-}
-
-/// Facets of a side; an error when it is unknown or empty.
-pub(crate) fn side_facets<'a, const D: usize>(
-    mesh: &'a Mesh<D>,
-    side: &str,
-) -> Result<&'a [Facet], FemError> {
-    match mesh.side(side) {
-        None => Err(FemError::UnknownSide {
-            side: side.to_string(),
-            known: mesh.side_names().collect::<Vec<_>>().join(", "),
-        }),
-        Some([]) => Err(FemError::EmptySide {
-            side: side.to_string(),
-        }),
-        Some(facets) => Ok(facets),
-    }
-}
-
-/// Nodes of a side, ascending; an error when it is unknown or empty.
-pub(crate) fn side_nodes<const D: usize>(
-    mesh: &Mesh<D>,
-    side: &str,
-) -> Result<BTreeSet<usize>, FemError> {
-    side_facets(mesh, side)?;
-    let nodes = mesh.side_nodes(side).unwrap_or_default();
-    Ok(nodes.into_iter().map(|node| node as usize).collect())
-}
-
-/// Outward unit normals at the nodes of a set of facets: the mean of the unit normals of the facets that meet there,
-/// which for two straight edges is the bisector of their angle.
-///
-/// Source: the bisector rule of Janovský & Procházka (1980) III, section 7.
-pub fn node_normals<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMap<usize, Point<D>> {
-    units(normal_sums(mesh, facets))
-}
-
-fn units<const D: usize>(sums: BTreeMap<usize, Point<D>>) -> BTreeMap<usize, Point<D>> {
-    let units = sums.into_iter();
-    units
-        .filter_map(|(node, sum)| Some((node, unit(sum)?)))
-        .collect()
-}
-
-/// Sums of the unit normals of the facets that meet at each node.
-fn normal_sums<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeMap<usize, Point<D>> {
-    let mut sums: BTreeMap<usize, Point<D>> = BTreeMap::new();
-    for &facet in facets {
-        let kind = mesh.facet_kind(facet);
-        for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
-            if let Some(normal) = unit(mesh.outward_normal(facet, xi)) {
-                let sum = sums.entry(node as usize).or_insert([0.0; D]);
-                *sum = add_scaled(*sum, 1.0, normal);
-            }
-        }
-    }
-    sums
 }
 
 /// The node nearest to a point; an error when it is farther than half the longest edge that meets there.

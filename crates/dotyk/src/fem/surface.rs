@@ -19,7 +19,7 @@
 
 use crate::fem::error::FemError;
 use crate::fem::nouns::Body;
-use crate::fem::supports::side_facets;
+use crate::fem::sides::side_facets;
 use crate::geometry::{Point, Surface, add_scaled, cross, dot, norm, padded, sub, unit};
 use crate::mesh::{CellKind, Facet, MAX_FACET_NODES, Mesh, SHARP};
 use std::collections::BTreeMap;
@@ -142,6 +142,34 @@ impl<'a, const D: usize> SideNormals<'a, D> {
         let sum = sum.fold([0.0; D], |sum, (&n, value)| add_scaled(sum, value, n));
         unit(sum).unwrap_or(sum)
     }
+}
+
+/// Outward unit normals at the nodes of a side along which its supports act: the mean of those of its facets there, as `fem/surface.rs`
+/// has them, so that rollers around a circle let it turn; at a sharp corner of two straight edges that is the bisector of their angle.
+/// Faces of a sector have those of the whole.
+///
+/// Errors: an unknown or empty side.
+///
+/// Source: the bisector rule of Janovský & Procházka (1980) III, section 7.
+pub fn node_normals<const D: usize>(
+    body: &Body<D>,
+    side: &str,
+) -> Result<BTreeMap<usize, Point<D>>, FemError> {
+    let mesh = &body.mesh;
+    let of_side = SideNormals::new(body, side)?;
+    let mut sums: BTreeMap<usize, Point<D>> = BTreeMap::new();
+    for &facet in side_facets(mesh, side)? {
+        let kind = mesh.facet_kind(facet);
+        for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
+            let sum = sums.entry(node as usize).or_insert([0.0; D]);
+            *sum = add_scaled(*sum, 1.0, of_side.at(facet, xi));
+        }
+    }
+    body.twins().inspect(|twins| twins.add_up(&mut sums));
+    let units = sums.into_iter();
+    Ok(units
+        .filter_map(|(node, sum)| Some((node, unit(sum)?)))
+        .collect())
 }
 
 /// A line that ends at an end of a facet bends there as it does at the other end of its last edge: the normal of that, mirrored in

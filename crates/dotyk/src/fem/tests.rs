@@ -1305,7 +1305,7 @@ fn the_nearest_node_is_no_farther_than_half_the_longest_edge_there() {
 fn normals_at_corners_bisect() {
     let mesh =
         rectangle(CellKind::Quad4, [2, 1]).with_side("corner", |[x, y]| x == 3.0 || y == 1.0);
-    let normals = node_normals(&mesh, mesh.side("corner").unwrap());
+    let normals = node_normals(&body(mesh.clone()), "corner").unwrap();
     let root = 0.5f64.sqrt();
     let of = |x: Point<2>| normals[&node(&mesh, x)];
     assert_eq!(normals.len(), 4);

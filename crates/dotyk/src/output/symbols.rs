@@ -250,10 +250,12 @@ pub fn draw_load(
 ) {
     let time = scene.model.last_time();
     let mesh = &scene.model.bodies[body].mesh;
-    let value = |point, normal| load.at(point, normal, time);
     match load.place() {
         Place::Side(side) => {
-            let traction = |s: &Mark| value(s.point, s.normal);
+            let traction = |marks: &[Mark]| {
+                let places = marks.iter().map(|mark| (mark.point, mark.normal));
+                load.values(&places.collect::<Vec<_>>(), time)
+            };
             let unit = match load.amount() {
                 Amount::PerArea => &labels.stress,
                 Amount::Whole => &labels.force,
@@ -262,7 +264,8 @@ pub fn draw_load(
         }
         Place::Point(point) => {
             let node = mesh.points()[mesh.nearest_node(point)];
-            draw_force(svg, view, view.pixel(node), value(node, [0.0; 2]), labels);
+            let force = load.at(node, [0.0; 2], time);
+            draw_force(svg, view, view.pixel(node), force, labels);
         }
     }
 }
@@ -293,7 +296,7 @@ fn draw_fence(
     view: &View,
     body: usize,
     side: &str,
-    traction: &dyn Fn(&Mark) -> Point<2>,
+    traction: &dyn Fn(&[Mark]) -> Vec<Point<2>>,
     units: &str,
 ) {
     let points = scene.model.bodies[body].mesh.points();
@@ -308,7 +311,7 @@ fn draw_fence(
             let pixels = strand.length(points) * view.scale;
             let parts = ((pixels / 15.0).round() as usize).clamp(1, 2000);
             let marks = strand.marks(points, parts, false);
-            let values = marks.iter().map(traction).collect();
+            let values = traction(&marks);
             (strand, marks, values)
         })
         .collect();

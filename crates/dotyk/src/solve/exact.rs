@@ -15,6 +15,8 @@ use std::collections::HashSet;
 use std::ops::Range;
 
 use crate::dual::{Block, Compliance, Multipliers};
+use crate::linalg::Mat;
+use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
 use crate::linalg::signed::least_norm_within;
 use crate::solve::hold::held;
 use crate::solve::iteration::tell;
@@ -209,6 +211,8 @@ pub(crate) struct Search<'a> {
     pub residual: f64,
     /// The least residual so far, and where it was.
     pub best: (f64, Forces),
+    /// Compliance of the trial forces (m,).
+    softness: Vec<f64>,
     /// Largest force |d|/softness of the overlaps.
     asked: f64,
     /// Domains that nothing loads.
@@ -231,6 +235,47 @@ pub(crate) struct Search<'a> {
     pub tried: Vec<&'static str>,
 }
 
+/// Shears of discs with given bounds are at most this many times as soft as with all other nodes held.
+const HELD: f64 = 10.0;
+
+/// The compliances with which a search asks for forces, (m,): those of the problem. Where a body is weakly supported they are so large that
+/// a trial shear is hardly longer than its bound, whatever the slip. Directions of slip, which a node of space has beside a given bound, then
+/// turn slowly or for ever; so there they are bounded by those of a node all others beside which are held, 1/(F⁻¹)ᵢᵢ.
+fn softness(setup: &Setup<'_>) -> Vec<f64> {
+    let mut softness = setup.problem.softness.clone();
+    let discs = || {
+        let blocks = setup.admissible.iter();
+        blocks.filter(|(block, range)| block.friction().is_some() && range.len() > 2)
+    };
+    let Compliance::Dense(matrix) = &setup.problem.compliance else {
+        return softness;
+    };
+    if setup.admissible.bounds_follow() || discs().next().is_none() {
+        return softness;
+    }
+    let m = matrix.nrows();
+    let mut factor = matrix.clone();
+    (0..m).for_each(|i| factor[(i, i)] *= 1.0 + SINGULAR);
+    if cholesky_in_place(&mut factor).is_err() {
+        return softness;
+    }
+    let mut inverse = Mat::<f64>::identity(m, m);
+    solve_lower_in_place(&factor, &mut inverse);
+    let held = |i: usize| {
+        let column = inverse.col_as_slice(i).iter();
+        1.0 / column.map(|c| c * c).sum::<f64>()
+    };
+    for (block, range) in discs() {
+        let shear = block.shear(&range);
+        let mean = shear.clone().map(held).sum::<f64>() / shear.len() as f64;
+        shear.for_each(|i| softness[i] = softness[i].min(HELD * mean));
+    }
+    softness
+}
+
+/// A compliance that leaves some forces without a gap is made definite by this part of its diagonal.
+const SINGULAR: f64 = 1e-10;
+
 impl<'a> Search<'a> {
     /// Begins without any force.
     pub fn new((tolerance, most): (f64, usize), setup: &'a Setup<'a>) -> Self {
@@ -245,6 +290,7 @@ impl<'a> Search<'a> {
             judge: setup.judge(),
             residual: f64::INFINITY,
             best: (f64::INFINITY, Forces::none(setup)),
+            softness: softness(setup),
             asked: if force.is_finite() { force } else { 0.0 },
             still: still(setup),
             steps: 0,
@@ -342,8 +388,8 @@ impl<'a> Search<'a> {
         self.iterations() >= self.most || products >= PRODUCTS.min(enough)
     }
 
-    pub fn softness(&self) -> &'a [f64] {
-        &self.setup.problem.softness
+    pub fn softness(&self) -> &[f64] {
+        &self.softness
     }
 
     /// Exact steps within `patience` until the states repeat themselves; `adjust` may change the next states.

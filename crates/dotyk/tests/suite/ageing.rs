@@ -229,3 +229,27 @@ fn what_yields_leaves_the_stress_of_what_ages() {
         }
     }
 }
+
+/// A loose block between rollers that swells and shrinks as it ages, free of stress at all times, above a floor that it does not touch.
+#[test]
+fn what_ages_without_stress_hovers() {
+    let (_, steps) = solved(
+        "analysis = \"plane-strain\"\nstep = [{ time = 1 }, { time = 2 }]\n\
+         [[body]]\nname = \"floor\"\n\
+         mesh = { rectangle = { from = [0, 0], to = [1, 0.5], cells = [4, 3], cell = \"quad4\" } }\n\
+         material = { young = 3000, poisson = 0 }\nfix = [{ side = \"bottom\", x = 0, y = 0 }]\n\
+         [[body]]\nname = \"block\"\n\
+         mesh = { rectangle = { from = [0, 0.5], to = [1, 1.3], cells = [4, 3], cell = \"quad4\" } }\n\
+         material = { young = \"400 + 500*(t - 1)\", poisson = 0 }\n\
+         fix = [{ side = \"left\", x = 0 }, { side = \"right\", x = 0 }]\n\
+         initial_strain = { yy = \"-0.002*(2 - t)\" }\n\
+         [[contact]]\nname = \"gap\"\nnonmortar = \"floor.top\"\nmortar = \"block.bottom\"\ngap = -0.003\n",
+    );
+    for step in &steps {
+        let nodes = &step.contacts[0].nodes;
+        assert!(nodes.iter().all(|node| node.pressure == 0.0));
+        let stress = step.bodies[1].stress.iter().flatten();
+        let largest = stress.fold(0.0, |s: f64, c| s.max(c.abs()));
+        assert!(largest < 1e-12, "{largest:e}");
+    }
+}

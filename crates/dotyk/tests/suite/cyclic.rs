@@ -415,3 +415,53 @@ fn a_gap_that_is_not_the_same_in_all_sectors_is_told() {
     assert_eq!(warned("-0.01 - 0.002*cos(6*atan2(y, x))"), 0);
     assert_eq!(warned("-0.01 - 0.002*cos(2*atan2(y, x))"), 1);
 }
+
+/// An eighth of a ring whose rim is held along its normal under a pressure within: u = B(1/r − r/b²), E(B/b² + B/a²) = p at ν = 0.
+/// Nothing holds its turn, and nothing drives it.
+#[test]
+fn a_sector_that_nothing_turns_stays() {
+    let ring = "analysis = \"plane-strain\"\n\
+         [[body]]\nname = \"rock\"\n\
+         mesh = { ring = { inner = 5, outer = 12, cells = [6, 24], cell = \"quad9\", ratio = 1.04, from = 0, to = 45 } }\n\
+         material = { young = 500, poisson = 0 }\n\
+         fix = [{ side = \"outer\", normal = 0 }]\n\
+         load = [{ side = \"inner\", pressure = 1 }]\n\
+         cyclic = { from = \"start\", to = \"end\", sectors = 8 }\n";
+    let (model, steps) = solved(ring);
+    assert!(steps[0].warnings.iter().any(|w| w.contains("least norm")));
+    let [a, b] = [5.0f64, 12.0];
+    let part = 1.0 / (500.0 * (1.0 / (b * b) + 1.0 / (a * a)));
+    let moved = &steps[0].bodies[0].displacement;
+    for (x, u) in model.bodies[0].mesh.points().iter().zip(moved) {
+        let r = x[0].hypot(x[1]);
+        let exact = part * (1.0 / r - r / (b * b));
+        assert!((u[0] - exact * x[0] / r).abs() < 1e-6 * part, "{x:?} {u:?}");
+        assert!((u[1] - exact * x[1] / r).abs() < 1e-6 * part, "{x:?} {u:?}");
+    }
+}
+
+/// Ground in its first stress with a ring in it, an eighth of both: nothing moves and nothing presses.
+#[test]
+fn sectors_at_rest_stay() {
+    let (_, steps) = solved(
+        "analysis = \"plane-strain\"\n\
+         [[body]]\nname = \"rock\"\n\
+         mesh = { ring = { inner = 5, outer = 12, cells = [6, 24], cell = \"quad9\", from = 0, to = 45 } }\n\
+         material = { young = 2000, poisson = 0 }\n\
+         initial_stress = { xx = -1, yy = -1, zz = -1 }\n\
+         load = [{ side = \"inner\", in_situ = 1 }, { side = \"outer\", in_situ = 1 }]\n\
+         cyclic = { from = \"start\", to = \"end\", sectors = 8 }\n\
+         [[body]]\nname = \"ring\"\n\
+         mesh = { ring = { inner = 4.8, outer = 5, cells = [6, 3], cell = \"quad9\", from = 0, to = 45 } }\n\
+         material = { young = 5000, poisson = 0.2 }\n\
+         cyclic = { from = \"start\", to = \"end\", sectors = 8 }\n\
+         [[contact]]\nname = \"back\"\nnonmortar = \"ring.outer\"\nmortar = \"rock.inner\"\n",
+    );
+    for body in &steps[0].bodies {
+        assert!(
+            body.max_displacement() < 1e-12,
+            "{}",
+            body.max_displacement()
+        );
+    }
+}

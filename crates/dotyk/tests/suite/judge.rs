@@ -766,3 +766,131 @@ fn a_node_that_two_rough_faces_jam_is_named_with_what_helps() {
         assert!(solve(helps).is_ok(), "{helps}");
     }
 }
+
+/// A loose block whose top presses a lid with the traction that acts there: it is carried without any strain, and work is compared with
+/// that of the forces.
+#[test]
+fn work_without_strain_is_judged_beside_its_forces() {
+    let gap = 0.003;
+    let cell = "cell = \"quad9\"";
+    let text = format!(
+        "{PLANE}[[body]]\nname = \"a\"\n\
+         mesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [3, 2], {cell} }} }}\n\
+         material = {{ young = 1000, poisson = 0 }}\nfix = [{{ side = \"left\", x = 0 }}]\n\
+         load = [{{ side = \"top\", traction = [0, 1] }}]\n{}",
+        obstacle(
+            "lid",
+            "a.top",
+            &format!(
+                "{{ plane = {{ point = [0, {}], normal = [0, -1] }} }}",
+                1.0 + gap
+            )
+        )
+    );
+    let solution = solve(&text).unwrap();
+    for u in &solution.bodies[0].displacement {
+        assert!(u[0].abs() < 1e-14 && (u[1] - gap).abs() < 1e-14, "{u:?}");
+    }
+    for node in &solution.contacts[0].nodes {
+        assert!((node.pressure - 1.0).abs() < 1e-12, "{node:?}");
+    }
+}
+
+/// A support carries a load to and fro: where it is back no energy is left but rounding.
+#[test]
+fn supports_that_come_back_leave_no_energy() {
+    let text = format!(
+        "{PLANE}{}[[step]]\ntime = 0.5\n[[step]]\ntime = 1\n",
+        block(
+            "a",
+            [0.0, 0.0],
+            [1.0, 1.0],
+            [2, 2],
+            "fix = [{ side = \"bottom\", x = 0, y = 0 }, { side = \"top\", y = \"0.001*sin(pi*t)\" }]\n\
+             load = [{ side = \"top\", traction = [0, -1] }]"
+        )
+    );
+    let steps = case(&text).model.solve_steps().unwrap();
+    assert!(steps[1].bodies[0].max_displacement() < 1e-18);
+}
+
+/// Rollers all around a tube of any cells leave its turn free: it is refused, where the errors of its mesh held it before.
+#[test]
+fn rollers_around_a_tube_do_not_hold_its_turn() {
+    for cell in ["tet4", "tet10", "hex8", "hex20"] {
+        let text = format!(
+            "analysis = \"3d\"\n[[body]]\nname = \"tube\"\n\
+             mesh = {{ cylinder = {{ base = [0, 0, 0], axis = [0, 0, 1], radius = 2, inner = 1, height = 1, cells = [12, 2, 1], cell = \"{cell}\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             fix = [{{ side = [\"bottom\", \"top\"], normal = 0 }}, {{ side = \"outer\", normal = 0 }}]\n\
+             load = [{{ side = \"inner\", traction = [\"-1e-4*y + x\", \"1e-4*x + y\", 0] }}]\n"
+        );
+        let case = Case::<3>::from_str(&text, "case.toml", Path::new(".")).unwrap();
+        let error = case.model.solve().unwrap_err().to_string();
+        assert!(error.contains("rotation about z"), "{cell}: {error}");
+    }
+}
+
+/// Rollers in the bore of a shaft that a hub presses without friction: nothing drives its turn.
+#[test]
+fn a_shaft_on_rollers_in_a_smooth_hub_stays() {
+    let shaft = |drag: &str| {
+        format!(
+            "{PLANE}[[body]]\nname = \"hub\"\n\
+             mesh = {{ ring = {{ inner = 2, outer = 3, cells = [20, 2], cell = \"quad9\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\nfix = [{{ side = \"outer\", x = 0, y = 0 }}]\n\
+             [[body]]\nname = \"shaft\"\n\
+             mesh = {{ ring = {{ inner = 1, outer = 2.001, cells = [16, 2], cell = \"quad9\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\nfix = [{{ side = \"inner\", normal = 0 }}]\n\
+             load = [{{ side = \"inner\", traction = [\"-{drag}*y\", \"{drag}*x\"] }}]\n{}",
+            contact("c", "nonmortar = \"shaft.outer\"\nmortar = \"hub.inner\"")
+        )
+    };
+    let solution = solve(&shaft("0")).unwrap();
+    assert!(solution.warnings.iter().any(|w| w.contains("least norm")));
+    let pressures = solution.contacts[0].nodes.iter().map(|node| node.pressure);
+    let mean = pressures.clone().sum::<f64>() / pressures.clone().count() as f64;
+    // with friction nothing turns, and the pressure is the same
+    let held = solve(&format!("{}friction = 0.2\n", shaft("0"))).unwrap();
+    for (node, free) in held.contacts[0].nodes.iter().zip(pressures) {
+        assert!(
+            (node.pressure - free).abs() < 0.02 * mean,
+            "{} {free}",
+            node.pressure
+        );
+    }
+    let driven = solve(&shaft("1e-4")).unwrap_err().to_string();
+    assert!(driven.contains("not held"), "{driven}");
+}
+
+/// Supports hold the corners of a facet on both tied sides: nothing ties what lies between them, and that is told.
+#[test]
+fn a_tie_that_supports_leave_without_a_condition_is_told() {
+    let cubes = |cell: &str, own: usize, other: usize| {
+        let field = "x = \"1e-3*z\", y = \"1e-3*x\", z = \"-1e-3*z + 1e-3*y\"";
+        let cube = |name: &str, from: f64, cells: usize, end: &str| {
+            format!(
+                "[[body]]\nname = \"{name}\"\n\
+                 mesh = {{ box = {{ from = [0, 0, {from}], to = [1, 1, {}], cells = [{cells}, {cells}, 1], cell = \"{cell}\" }} }}\n\
+                 material = {{ young = 1000, poisson = 0.3 }}\n\
+                 fix = [{{ side = [\"{end}\", \"left\", \"right\", \"front\", \"back\"], {field} }}]\n",
+                from + 1.0
+            )
+        };
+        let text = format!(
+            "analysis = \"3d\"\n{}{}{}",
+            cube("low", -1.0, other, "bottom"),
+            cube("up", 0.0, own, "top"),
+            contact(
+                "c",
+                "nonmortar = \"up.bottom\"\nmortar = \"low.top\"\ntied = true"
+            )
+        );
+        let case = Case::<3>::from_str(&text, "case.toml", Path::new(".")).unwrap();
+        let solution = case.model.solve().unwrap();
+        let told = |w: &&String| w.contains("although they are tied");
+        solution.warnings.iter().any(|w| told(&w))
+    };
+    assert!(cubes("tet10", 2, 2) && cubes("hex8", 1, 2));
+    assert!(!cubes("hex8", 2, 2) && !cubes("hex20", 2, 2) && !cubes("hex27", 3, 2));
+}

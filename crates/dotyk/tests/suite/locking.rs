@@ -340,3 +340,40 @@ fn in_space_tetrahedra_that_keep_their_volume_are_told() {
         );
     }
 }
+
+/// A strip that bends by heat bends too little, too; one that only expands does not.
+#[test]
+fn strips_that_heat_bends_are_told() {
+    let strip = |cell: &str, heat: &str| {
+        let text = format!(
+            "analysis = \"3d\"\n[[body]]\nname = \"b\"\n\
+             mesh = {{ box = {{ from = [0, 0, 0], to = [10, 1, 1], cells = [10, 2, 2], cell = \"{cell}\" }} }}\n\
+             material = {{ young = 1000, poisson = 0 }}\n\
+             fix = [{{ side = \"left\", x = 0 }}, {{ point = [0, 0, 0], y = 0, z = 0 }}, {{ point = [0, 1, 0], z = 0 }}]\n\
+             initial_strain = {{ thermal = \"{heat}\", expansion = 1e-3 }}\n"
+        );
+        let AnyCase::Space(case) = AnyCase::from_str(&text, "strip.toml", Path::new("")).unwrap()
+        else {
+            panic!("a case of space");
+        };
+        let solution = case.model.solve().unwrap();
+        let tip = (case.model.bodies[0].mesh.points().iter())
+            .position(|x| *x == [10.0, 0.0, 0.0])
+            .unwrap();
+        (
+            found(&solution).told,
+            -solution.bodies[0].displacement[tip][2] / 0.05,
+        )
+    };
+    for cell in ["hex8", "tet4"] {
+        let (told, bent) = strip(cell, "z");
+        let missing = 1.0 - bent;
+        assert!(
+            told > 0.5 * missing && told < 1.2 * missing,
+            "{cell}: {told} {missing}"
+        );
+        assert_eq!(strip(cell, "1").0, 0.0);
+    }
+    let (told, bent) = strip("hex20", "z");
+    assert!(told == 0.0 && (bent - 1.0).abs() < 1e-2, "{bent}");
+}

@@ -277,3 +277,51 @@ fn runs_go_on_behind_rest_and_behind_supports_that_leave() {
         }
     }
 }
+
+/// Where several answers exist, the recorded one goes on: a joint that parts at a node within the step, a block that hovers beside a bound
+/// which bears shear whether the sides touch or not.
+#[test]
+fn a_run_goes_on_where_the_recorded_answer_is_one_of_several() {
+    let ground = "[[body]]\nname = \"ground\"\n\
+         mesh = { rectangle = { from = [-2, -2], to = [4, 0], cells = [12, 4], cell = \"quad8\" } }\n\
+         material = { young = 2000, poisson = 0.4 }\n\
+         spring = [{ side = \"bottom\", normal = 500, tangential = 300 }]\nbody_force = [0, \"-1 - 0.5*t\"]\n";
+    let block = "[[body]]\nname = \"block\"\n\
+         mesh = { rectangle = { from = [0, 0], to = [1, 1], cells = [4, 4], cell = \"quad8\" } }\n\
+         material = { young = 8000, poisson = 0.2 }\n";
+    let contact =
+        "[[contact]]\nname = \"joint\"\nnonmortar = \"block.bottom\"\nmortar = \"ground.top\"\n";
+    let parts = |heat: f64, falls: f64, law: [f64; 3]| {
+        let [coulomb, cohesion, tension] = law;
+        format!(
+            "{ground}{block}initial_strain = {{ thermal = \"-{heat}*t*(1 - {falls}*y)\", expansion = 1e-4 }}\n\
+             {contact}friction = {{ coulomb = {coulomb}, cohesion = {cohesion}, tension = {tension} }}\n"
+        )
+    };
+    let hovers = format!(
+        "{ground}{block}fix = [{{ side = \"left\", normal = \"-0.001*t\", active = {{ until = 2 }} }}]\n\
+         {contact}friction = {{ tresca = 5 }}\n"
+    );
+    for (text, told) in [
+        (parts(19.8, 0.03, [0.33, 2.0, 1.6]), "has parted there"),
+        (parts(11.0, 0.87, [0.78, 3.0, 1.6]), "has parted there"),
+        (parts(35.4, 0.6, [0.77, 3.6, 0.6]), "has parted there"),
+        (hovers, "although its sides stay"),
+    ] {
+        let steps =
+            "analysis = \"plane-strain\"\nstep = [{ time = 1 }, { time = 2 }, { time = 3 }]\n";
+        let model = Case::<2>::from_str(&format!("{steps}{text}"), "past.toml", "".as_ref());
+        let model = model.unwrap().model;
+        let whole = model.solve_steps().unwrap();
+        let mut warnings = whole.iter().flat_map(|step| &step.warnings);
+        assert!(warnings.any(|words| words.contains(told)), "{text}");
+        for done in 1..whole.len() {
+            let past: Vec<Past<2>> = whole[..done].iter().map(Past::from).collect();
+            let on = model.solve_steps_after(&past, &mut silent);
+            let on = on.unwrap_or_else(|e| panic!("{done}: {e}\n{text}"));
+            for (a, b) in on.iter().zip(&whole) {
+                assert_same(a, b, &whole);
+            }
+        }
+    }
+}

@@ -285,3 +285,35 @@ fn gaskets_between_pieces() {
         assert_eq!(agrees(&text, pieces), pieces);
     }
 }
+
+/// Springs much softer than the body hold its pieces against some motions and not against others.
+#[test]
+fn pieces_on_soft_springs() {
+    for soft in ["1", "1e-2"] {
+        let text = format!(
+            "analysis = \"plane-strain\"\n[[body]]\nname = \"up\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [6, 4], cell = \"quad8\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             load = [{{ side = \"top\", traction = [0.001, -0.1] }}]\n\
+             spring = [{{ side = \"top\", tangential = {soft} }}]\n\
+             [[contact]]\nname = \"c\"\nnonmortar = \"up.bottom\"\n\
+             obstacle = {{ plane = {{ point = [0, 0], normal = [0, 1] }} }}\n"
+        );
+        assert_eq!(agrees(&text, 4), 4);
+    }
+}
+
+/// A piece of tetrahedra may have all nodes of a facet on springs without its cell.
+#[test]
+fn pieces_of_tetrahedra_on_springs() {
+    let text = "analysis = \"3d\"\n[[body]]\nname = \"up\"\n\
+         mesh = { box = { from = [0, 0, 0], to = [1, 1, 1], cells = [3, 2, 1], cell = \"tet4\" } }\n\
+         material = { young = 1000, poisson = 0 }\n\
+         load = [{ side = \"top\", traction = [0, 0, -0.01] }]\n\
+         spring = [{ side = \"top\", tangential = 100 }]\n\
+         [[contact]]\nname = \"c\"\nnonmortar = \"up.bottom\"\n\
+         obstacle = { plane = { point = [0, 0, 0], normal = [0, 0, 1] } }\n";
+    for pieces in [2, 3, 4, 5] {
+        agrees(text, pieces);
+    }
+}

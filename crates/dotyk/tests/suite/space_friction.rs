@@ -3,6 +3,7 @@
 //! Limits: a box with a square sole of the side L under the uniform pressure p bears the moment
 //! μ p ∫r dA = μ p L³ (√2 + ln(1 + √2))/6 about its middle; a block on a plane tilted by β slides when tan β > μ.
 
+use dotyk::case::Case;
 use dotyk::geometry::{Field, Point, cross, dot, norm};
 use dotyk::mesh::{CellKind, Cuboid, Mesh};
 use dotyk::model::{BodyId, CoupleKind, Elastic, Law, Model, Pairing, Solution, Status};
@@ -140,5 +141,48 @@ fn a_stack_slides_beyond_the_angle_of_friction_about_any_axis() {
         // all three joints are as strong
         let load = said.contains("slide (translation along") && said.contains("holds 0.9798");
         assert!(load, "{said}");
+    }
+}
+
+/// A block on springs that are soft along its normal, dragged over a base by a little more than Tresca's bounds bear on most nodes: the
+/// block as a whole is ten thousand times as soft as its nodes are among each other.
+#[test]
+fn directions_of_slip_below_a_soft_block_settle() {
+    let text = |side: &str| {
+        format!(
+            "analysis = \"3d\"\n\
+             [[body]]\nname = \"up\"\n\
+             mesh = {{ box = {{ from = [0, 0, 0], to = [1, 1, 1], cells = [2, 1, 1], cell = \"hex8\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             load = [{{ side = \"top\", traction = [-0.0072, 0, -0.1] }}]\n\
+             spring = [{{ side = \"top\", tangential = 50, normal = 0.1 }}]\n\
+             [[body]]\nname = \"low\"\n\
+             mesh = {{ box = {{ from = [-0.3, 0, -1], to = [1.3, 1, 0], cells = [2, 2, 1], cell = \"tet4\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             fix = [{{ side = \"bottom\", x = 0, y = 0, z = 0 }}]\n\
+             [[contact]]\nname = \"c\"\n{side}\nfriction = {{ tresca = 0.0163 }}\n"
+        )
+    };
+    for side in [
+        "nonmortar = \"low.top\"\nmortar = \"up.bottom\"",
+        "nonmortar = \"up.bottom\"\nmortar = \"low.top\"",
+    ] {
+        let case = Case::<3>::from_str(&text(side), "soft.toml", "".as_ref()).unwrap();
+        let solution = case.model.solve().unwrap();
+        assert!(
+            solution.solver.iterations <= 20,
+            "{}",
+            solution.solver.iterations
+        );
+        for node in &solution.contacts[0].nodes {
+            let (shear, slip) = (norm(node.shear), norm(node.slip));
+            assert!(shear <= 0.0163 * (1.0 + 1e-6), "{node:?}");
+            if slip > 1e-8 {
+                assert!(
+                    dot(node.shear, node.slip) < -(1.0 - 1e-6) * 0.0163 * slip,
+                    "{node:?}"
+                );
+            }
+        }
     }
 }

@@ -568,6 +568,44 @@ obstacle = { plane = { point = [0, 0], normal = [0, 1] } }
     }
 }
 
+/// Without friction a block that tips in a later step is pulled away as in the first one, after what is told to be the time.
+#[test]
+fn what_tips_without_friction_is_pulled_away() {
+    let text = r#"
+analysis = "plane-strain"
+[[body]]
+name = "base"
+mesh = { rectangle = { from = [0, 0], to = [1, 1], cells = [7, 8] } }
+material = { young = 1e3, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[body]]
+name = "block"
+mesh = { rectangle = { from = [0, 1], to = [1, 2], cells = [10, 8] } }
+material = { young = 1e3, poisson = 0.3 }
+load = [{ side = "top", traction = ["0.6*t", "-1"] }]
+fix = [{ point = [0, 1], x = 0 }]
+[[contact]]
+name = "sole"
+nonmortar = "block.bottom"
+mortar = "base.top"
+"#;
+    let of = |steps: &str| {
+        let case = Case::<2>::from_str(&format!("{text}{steps}"), "case.toml", Path::new("."));
+        case.unwrap().model.solve_steps().err().unwrap().to_string()
+    };
+    let pulled = "pulls body \"block\" away";
+    let (at_once, later) = (of("[[step]]\ntime = 1\n"), of("[[step]]\ntime = 0.5\n[[step]]\ntime = 1\n"));
+    assert!(
+        at_once.contains(pulled) && !at_once.contains("until"),
+        "{at_once}"
+    );
+    // thrust times its lever 1 beside the weight times half the width
+    assert!(
+        later.contains(pulled) && later.contains("held until t = 0.833333"),
+        "{later}"
+    );
+}
+
 /// A wedge with faces at 45° whose edge is at the origin and moves down by `down`, and its contact.
 fn edge(pairing: &str, obstacle: &str, down: f64) -> String {
     format!(

@@ -4,8 +4,8 @@
 use dotyk::geometry::{Field, Point};
 use dotyk::mesh::{CellKind, Cuboid, Diagonals, Mesh, Rectangle, Ring};
 use dotyk::model::{
-    Active, Along, Analysis, BodyId, Elastic, Error, Gap, Law, Load, Model, Objection, Past,
-    Plastic, Reading, SideRef, Solution, Strength,
+    Active, Along, Analysis, BodyId, Components, Elastic, Error, Gap, Law, Load, Model, Objection,
+    Past, Plastic, Reading, SideRef, Solution, Strength,
 };
 
 const STEEL: Elastic = Elastic {
@@ -709,4 +709,27 @@ fn linear_cells_that_yield_and_what_has_no_law_are_told() {
         .err()
         .unwrap();
     assert!(error.to_string().contains("dual problem"), "{error}");
+}
+
+#[test]
+fn an_initial_stress_beyond_the_yield_stress_is_refused() {
+    let ground = |stress: f64| {
+        let mut model = Model::<2>::new();
+        let body = model.body("ground", rectangle(CellKind::Quad8, [4, 2]), STEEL);
+        yields(&mut model, body.0, 1.0, 0.0);
+        let component = |c| Field::constant(if c == 1 { stress } else { 0.0 });
+        model.bodies[body.0].initial.stress = Some(Components(std::array::from_fn(component)));
+        model.fix(body, "bottom", [Some(0.0), Some(0.0)]);
+        model.solve_steps()
+    };
+    assert!(ground(-0.999).is_ok());
+    let error = ground(-1.5).unwrap_err().to_string();
+    for words in [
+        "ground",
+        "outside the yield surface",
+        "1.5000e0",
+        "5.0000e-1 beyond",
+    ] {
+        assert!(error.contains(words), "{error}");
+    }
 }

@@ -239,6 +239,41 @@ pub(crate) fn sunk<const D: usize>(
     depths.chain(tip).reduce(f64::max)
 }
 
+/// The place where the sides of a tie have moved apart most on facets none of whose nodes has a condition, because supports hold them on
+/// both sides, and by how much: if more than a small part of the largest motion.
+pub(crate) fn untied<const D: usize>(
+    condition: &Condition<D>,
+    moved: &Moved<'_, D>,
+) -> Option<(Point<D>, f64)> {
+    let nodes = condition.interface.nodes.iter();
+    let bears = nodes.filter(|node| node.rows.iter().any(Option::is_some));
+    let bears: BTreeSet<usize> = bears.map(|node| node.node).collect();
+    let samples = condition.touch.samples.iter();
+    let bare = samples.filter(|samples| nodes_of(samples).all(|node| !bears.contains(&node)));
+    let at = |nodes: &[(usize, f64)], u: &[Point<D>]| {
+        let sum = nodes.iter();
+        sum.fold([0.0; D], |sum, &(j, n)| add_scaled(sum, n, u[j]))
+    };
+    let motions = |samples: &Sample<D>| {
+        let other = match &moved.other {
+            Some(u) => at(&samples.at.opposite, u),
+            None => moved.obstacle,
+        };
+        [at(&samples.at.own, &moved.own), other]
+    };
+    let all = condition.touch.samples.iter().flatten();
+    let largest = all.flat_map(motions).map(norm).fold(0.0, f64::max);
+    let jumps = bare.flatten().map(|sample| {
+        let [own, other] = motions(sample);
+        (sample.point, norm(sub(own, other)))
+    });
+    let most = jumps.max_by(|a, b| a.1.total_cmp(&b.1));
+    most.filter(|(_, jump)| *jump > UNTIED * largest)
+}
+
+/// Sides of a tie that have moved apart by a smaller part of their motion are as good as tied.
+const UNTIED: f64 = 1e-3;
+
 fn gaps<const D: usize>(samples: &[Sample<D>], moved: &Moved<'_, D>) -> Vec<f64> {
     samples
         .iter()

@@ -113,6 +113,11 @@ pub(crate) fn finish<const D: usize>(
                 "its sides overlap by up to {} between nodes none of which is closed: its facets are too large to see the contact; use smaller ones there",
                 Short(depth)
             ),
+            Blur::Untied(place, jump) => format!(
+                "at {} its sides part by {} although they are tied: supports hold the corners of a facet on both sides there, which leaves none of its nodes a condition; use smaller facets there, or support one of the two sides alone",
+                show(place),
+                Short(jump)
+            ),
             Blur::Sunk(depth) => format!(
                 "its sides have sunk {} into each other between nodes, most of what they have moved: facets of the nonmortar side are too large for what presses on them; use smaller ones there, or swap nonmortar and mortar",
                 Short(depth)

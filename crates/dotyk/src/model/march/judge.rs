@@ -5,12 +5,12 @@
 //! unbalanced nodal forces of all bodies.
 
 use crate::contact::{Coupling, Row};
-use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed};
+use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed, beyond};
 use crate::geometry::{Point, distance, dot};
 use crate::host::in_order;
 use crate::linalg::SparseVector;
 use crate::model::march::between::{
-    Overlap, held_overlap, left_overlap, smallest_gap, sunk, worst_overlap,
+    Overlap, held_overlap, left_overlap, smallest_gap, sunk, untied, worst_overlap,
 };
 use crate::model::march::intrusion::intrusions;
 use crate::model::march::open::open_forces;
@@ -300,13 +300,15 @@ pub(crate) fn held_to_overlap<const D: usize>(
 
 /// A contradiction between the force of a contact and the gaps between its nodes, because its facets are too large.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Blur {
+pub(crate) enum Blur<const D: usize> {
     /// It bears a force although its sides are everywhere at least this far apart.
     Apart(f64),
     /// It bears no force although its sides overlap by this depth.
     Unborne(f64),
     /// It bears a force, but its sides have sunk into each other by this depth, most of their motion.
     Sunk(f64),
+    /// A tie whose sides part by this much at a place where supports leave no condition.
+    Untied(Point<D>, f64),
 }
 
 /// Contacts whose forces and gaps between nodes contradict each other, by their index.
@@ -315,7 +317,7 @@ pub(crate) fn blurred<const D: usize>(
     condensed: &Condensed<D>,
     judged: &Judged<D>,
     lambda: &[f64],
-) -> Vec<(usize, Blur)> {
+) -> Vec<(usize, Blur<D>)> {
     let displaced = &judged.displaced;
     // a tip of a tool may lie between all points that are looked at
     let tip = |contact: usize| {
@@ -331,8 +333,12 @@ pub(crate) fn blurred<const D: usize>(
         let lambda = &lambda[rows];
         let bears = |row: usize| lambda[row].abs() > none;
         let moved = moved(condition, displaced);
+        if !loose {
+            let (place, jump) = untied(condition, &moved)?;
+            return Some((contact, Blur::Untied(place, jump)));
+        }
         // sides with a gasket move into what lies between them
-        if !loose || condition.touch.filling.is_some() {
+        if condition.touch.filling.is_some() {
             return None;
         }
         let nearest = smallest_gap(condition, &moved, bears);
@@ -545,8 +551,10 @@ fn of_domains<const D: usize>(
     } = condensed;
     let coupled = &problem.coupled;
     let mut found = vec![OfDomain::default(); coupled.domains()];
+    let mut known = vec![0.0; found.len()];
     for (index, (body, state)) in model.bodies.iter().zip(states).enumerate() {
         let own = &mut found[of_parts[index]];
+        known[of_parts[index]] += state.work_rounding;
         let (force, moment) = imbalance(model, body.mesh.points(), &state.total);
         let arm = coupled.scales[of_parts[index]].moment_arm;
         own.imbalance_force = own.imbalance_force.max(force - state.rounding);
@@ -583,7 +591,7 @@ fn of_domains<const D: usize>(
         borne[of_row(row)] += energy;
     }
     for (domain, own) in found.iter_mut().enumerate() {
-        own.energy_gap = own.energy_gap.abs();
+        own.energy_gap = beyond(own.energy_gap.abs(), known[domain]);
         let least = NO_ENERGY * coupled.scales[domain].energy;
         own.elastic_energy = own
             .elastic_energy

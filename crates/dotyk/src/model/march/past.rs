@@ -14,7 +14,8 @@ use crate::model::nouns::error::Error;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::solution::{BodySolution, Solution, Status};
 use crate::model::system::condense::{Condensed, assume};
-use crate::model::system::condition::{Condition, contact_rows};
+use crate::model::system::condition::{Condition, contact_rows, row_ranges};
+use crate::model::system::joints::joints;
 use crate::model::system::shared::{bearing_weight, shear_parts};
 use std::sync::Arc;
 
@@ -174,6 +175,34 @@ pub(crate) fn recorded<const D: usize>(
         multipliers.alpha,
     );
     Ok(multipliers)
+}
+
+/// Nodes that joints lost by the end of a recorded step, by contact and node, where some parted within it (`torn.rs`): the recorded forces
+/// are none that a whole joint bears there.
+pub(crate) fn parted<const D: usize>(
+    condensed: &Condensed<D>,
+    model: &Model<D>,
+    recorded: &Multipliers,
+) -> Option<Vec<Vec<bool>>> {
+    let conditions = &condensed.conditions;
+    let lost = || conditions.iter().map(|c| c.touch.lost.clone());
+    let mut lost: Vec<Vec<bool>> = lost().collect();
+    let largest = recorded.lambda.iter().fold(0.0, |s: f64, l| s.max(l.abs()));
+    let limit = SAME_STATE * model.solver.tolerance * largest;
+    let errors = condensed.problem.force_errors(recorded);
+    let firsts: Vec<usize> = row_ranges(conditions).map(|(rows, _)| rows.start).collect();
+    let mut found = false;
+    for (index, _, condition) in joints(model, conditions) {
+        let nodes = condition.interface.nodes.iter();
+        for (node, lost) in nodes.zip(&mut lost[index]) {
+            let off = |row: &Option<usize>| row.map(|row| errors[firsts[index] + row]);
+            let off = node.rows.iter().filter_map(off).fold(0.0, f64::max);
+            if !*lost && off > limit {
+                (*lost, found) = (true, true);
+            }
+        }
+    }
+    found.then_some(lost)
 }
 
 /// Forces and known gaps of the rows of a contact. At its nodes `bearing` is the weight of the pressure, by whether that is a

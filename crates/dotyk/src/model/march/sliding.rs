@@ -1,8 +1,8 @@
 //! Loss of equilibrium: a load that no friction can hold is an answer, which names body, motion and load factor.
 //!
 //! The load is infeasible: no forces within the friction cones balance it. If unlimited friction could, the body slides; if
-//! not, it tips about a contact that stays closed, somewhere between the load of the step before and that of this one; else the
-//! load pulls it away from everything that could hold it: an error of the model. A body may also slide under a feasible load,
+//! not, it tips about a contact that stays closed, somewhere between the load of the step before and that of this one; else, and without
+//! any friction, the load pulls it away from everything that could hold it: an error of the model. A body may also slide under a feasible load,
 //! where the normal forces that would bear it are not those that follow from elasticity.
 
 use crate::dual::{AdmissibleSet, Feasibility};
@@ -34,8 +34,15 @@ pub(crate) fn sliding<const D: usize>(
     });
     let leans = || Feasibility::leans(admissible, balance, direction);
     let of_step = of_step.filter(|(part, _)| factor.is_some() || *part > NOT_HELD && leans());
-    let Some(held) = of_step.map(|(part, _)| part).or(factor) else {
-        return Err(floating.pulled_away(model, (bodies, conditions), admissible, direction));
+    let held = of_step.map(|(part, _)| part).or(factor);
+    let Some(held) = held.filter(|_| admissible.has_friction() || factor.is_some()) else {
+        let mut error = floating.pulled_away(model, (bodies, conditions), admissible, direction);
+        if let (Error::PulledAway { until, .. }, Some((part, [before, now]))) =
+            (&mut error, of_step)
+        {
+            *until = Some(before + part * (now - before));
+        }
+        return Err(error);
     };
     let (bodies, motion) = floating.motion(model, bodies, direction);
     Ok(Objection::Slides {

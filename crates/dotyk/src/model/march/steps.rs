@@ -10,7 +10,7 @@ use crate::model::march::finish::{finish, tell};
 use crate::model::march::judge::Judged;
 use crate::model::march::objection::objection;
 use crate::model::march::past::{
-    Past, assume_recorded, check_past, recorded, same_bodies, same_forces,
+    Past, assume_recorded, check_past, parted, recorded, same_bodies, same_forces,
 };
 use crate::model::march::reuse::Reuse;
 use crate::model::march::torn;
@@ -23,7 +23,7 @@ use crate::model::nouns::told::told_once;
 use crate::model::read::probe::all_probes;
 use crate::model::read::view::View;
 use crate::model::system::compliance::DENSE_LIMIT;
-use crate::model::system::condense::{Condensed, Purpose, linearise};
+use crate::model::system::condense::{Condensed, Purpose, again, assume, linearise};
 use crate::model::system::condition::{Condition, contact_rows, row_ranges};
 use crate::model::system::filling::{Filling, Moves};
 use crate::model::system::state::State;
@@ -318,8 +318,9 @@ type Solve<'a, const D: usize> =
 /// State after a step, its solution, and why it is not an answer.
 type Solved<const D: usize> = (State<D>, Solution<D>, Option<Objection<D>>);
 
-/// Solves the contact problem of a step that was solved before, from its forces, which must result again, or from those of the
-/// step before where some are not recorded.
+/// Solves the contact problem of a step that was solved before, which must have the recorded results again: from its forces; where these
+/// lead elsewhere, or some are not recorded, from the step before, as it was solved at first. Several answers may exist where joints part
+/// within a step or a body hovers, and the way to them decides.
 fn solve_again<const D: usize>(
     stage: &Stage<'_, D>,
     here: &mut Here<D>,
@@ -329,20 +330,50 @@ fn solve_again<const D: usize>(
 ) -> Result<Solved<D>, Error<D>> {
     let model = stage.model.as_ref();
     let differs = |what: String| Error::Past { step, what };
-    let recorded = recorded(&here.0, model, done).map_err(differs)?;
+    let mut forces = recorded(&here.0, model, done).map_err(differs)?;
+    let conditions = here.0.conditions.iter();
+    let lost: Vec<Vec<bool>> = conditions.map(|c| c.touch.lost.clone()).collect();
     assume_recorded(&mut here.0, model, done)?.map_err(differs)?;
     let coupled = here.0.conditions.iter().any(|c| c.contact().is_none());
-    let guess = (!coupled).then_some(&recorded);
-    let (state, mut solution, objection) = solve_step(stage, here, (None, guess), start, observe)?;
-    if let Some(objection) = objection {
-        return Err(differs(format!("it has no answer here ({objection})")));
+    if let Some(lost) = parted(&here.0, model, &forces).filter(|_| !coupled) {
+        again(model, &mut here.0, &lost, observe)?;
+        forces = recorded(&here.0, model, done).map_err(differs)?;
     }
-    if let Some(found) = &state.forces {
-        same_forces(&here.0, model, &recorded, found).map_err(differs)?;
-    }
-    same_bodies((&here.0, model), done, &solution).map_err(differs)?;
+    let guess = (!coupled).then_some(&forces);
+    let solved = match solve_as_recorded(stage, here, (done, guess), start, observe)? {
+        Ok(solved) => Ok(solved),
+        Err(_) => {
+            let yielded = here.0.state.yielded();
+            assume(model, &mut here.0, yielded)?;
+            again(model, &mut here.0, &lost, observe)?;
+            solve_as_recorded(stage, here, (done, None), start, observe)?
+        }
+    };
+    let (state, mut solution) = solved.map_err(differs)?;
     solution.solver.iterations = done.iterations;
     Ok((state, solution, None))
+}
+
+/// The answer of a step from given forces, or from those of the step before, where it is the recorded one; else why it is not.
+fn solve_as_recorded<const D: usize>(
+    stage: &Stage<'_, D>,
+    here: &mut Here<D>,
+    (done, guess): (&Past<D>, Option<&Multipliers>),
+    start: Instant,
+    observe: &mut dyn FnMut(Event),
+) -> Result<Result<(State<D>, Solution<D>), String>, Error<D>> {
+    let model = stage.model.as_ref();
+    let (state, solution, objection) = solve_step(stage, here, (None, guess), start, observe)?;
+    if let Some(objection) = objection {
+        return Ok(Err(format!("it has no answer here ({objection})")));
+    }
+    let same = || {
+        if let Some(found) = &state.forces {
+            same_forces(&here.0, model, &recorded(&here.0, model, done)?, found)?;
+        }
+        same_bodies((&here.0, model), done, &solution)
+    };
+    Ok(same().map(|()| (state, solution)))
 }
 
 /// Solves the contact problem of one step, by a solver of the caller or by the model's method, from given forces or from those of the

@@ -200,7 +200,8 @@ pub enum Error<const D: usize> {
     },
     /// The load pulls a floating body away from everything that could hold it.
     #[error(
-        "the load pulls body \"{body}\" away from everything that could hold it ({motion}, resultant {load:.4e}): its contacts only push; add a support, turn the load, or tie the contact"
+        "the load pulls body \"{body}\" away from everything that could hold it ({motion}, resultant {load:.4e}{}): its contacts only push; add a support, turn the load, or tie the contact",
+        .until.map_or_else(String::new, |t| format!(", it is held until t = {}", Short(t)))
     )]
     PulledAway {
         /// Its name.
@@ -209,6 +210,8 @@ pub enum Error<const D: usize> {
         motion: String,
         /// Work of the load for a unit motion.
         load: f64,
+        /// The time within a step until which it is held; `None` where it never is.
+        until: Option<f64>,
     },
     /// The sides of a floating body could hold its load, but not by forces at their nodes.
     #[error(

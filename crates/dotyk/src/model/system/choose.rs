@@ -130,7 +130,9 @@ const SAME_DIRECTION: f64 = 1e-12;
 
 /// Supports hold the normal displacement of every node of the side.
 fn held<const D: usize>(end: End<'_, D>) -> Result<bool, ContactError> {
-    let normals = node_normals(&end.body.mesh, end.facets()?);
+    // the side is there
+    end.facets()?;
+    let normals = node_normals(end.body, end.side).unwrap_or_default();
     Ok(normals.iter().all(|(&node, &normal)| {
         let held = end.constraints.at(node).iter();
         let rest: f64 = 1.0 - held.map(|h| dot(h.axis, normal).powi(2)).sum::<f64>();

@@ -16,7 +16,7 @@ use crate::model::nouns::error::{Error, NotHeld};
 use crate::model::nouns::model::Model;
 use crate::model::nouns::told::named;
 use crate::model::system::bodies::{LoadedBody, load_size};
-use crate::model::system::condition::{Condition, clearances, row_ranges};
+use crate::model::system::condition::{Condition, clearances};
 use crate::model::system::parts::{Parts, part_name, part_points};
 use crate::model::system::reach::hold_between_nodes;
 use std::collections::BTreeSet;
@@ -46,9 +46,6 @@ impl Floating {
     ) -> Result<Self, Error<D>> {
         let gaps = clearances(conditions);
         let m = gaps.len();
-        let mut ranges = row_ranges(conditions);
-        let links = ranges.find(|(_, own)| own.is_link() || own.source.member().is_some());
-        let links = links.map_or(m, |(rows, _)| rows.start);
         let modes: Vec<(usize, usize)> = bodies
             .iter()
             .enumerate()
@@ -61,16 +58,10 @@ impl Floating {
             let rows = b.rows.index.iter().enumerate().map(|(local, &row)| {
                 let parts = || b.rows.matrix.row(local);
                 let sum: f64 = parts().map(|(dof, value)| value * motion[dof]).sum();
-                // a member within a body does not hold it: the sum of its terms is rounding
+                // what joins a body to itself, a member or the faces of a sector, does not hold it: the sum of its terms is rounding
                 let size: f64 = parts().map(|(_, value)| value.abs()).sum();
-                (
-                    row,
-                    if row >= links && sum.abs() <= ALONG * size {
-                        0.0
-                    } else {
-                        sum
-                    },
-                )
+                let work = if sum.abs() <= ALONG * size { 0.0 } else { sum };
+                (row, work)
             });
             SparseVector::sum(m, rows.filter(|(_, work)| *work != 0.0).collect())
         };
@@ -223,7 +214,13 @@ impl Floating {
         }
         let work = direction.iter().zip(self.balance.load());
         let load = work.map(|(z, e)| z * e).sum();
-        Error::PulledAway { body, motion, load }
+        let until = None;
+        Error::PulledAway {
+            body,
+            motion,
+            load,
+            until,
+        }
     }
 
     /// The parts that move along a direction of the dual problem, first the one that moves most, and the motion of that in words.

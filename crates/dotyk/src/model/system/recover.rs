@@ -67,6 +67,8 @@ pub(crate) struct BodyState<const D: usize> {
     /// 2·(strain energy and that of springs) − (f + R)·(elastic displacement): minus the work of the contact forces on it, when all forces
     /// balance.
     pub unbalanced_work: f64,
+    /// The part of it that is rounding of its terms.
+    pub work_rounding: f64,
     /// Largest resultant of a support that moves.
     pub driving_force: f64,
     /// Uncertainty of resultants of the nodal forces, which are differences of terms of the size K_ii u_i.
@@ -154,6 +156,8 @@ impl<const D: usize> BodyState<D> {
         }
         let applied = system.load.iter().zip(&reactions).map(|(f, r)| f + r);
         let external: f64 = applied.zip(u).map(|(force, u)| force * u).sum();
+        let sizes = (system.load.iter().zip(&reactions)).map(|(f, r)| f.abs() + r.abs());
+        let worked: f64 = sizes.zip(u).map(|(size, u)| size * u.abs()).sum();
         let mut whole: Vec<f64> = u.iter().zip(rigid).map(|(u, r)| u + r).collect();
         for (dof, u) in whole.iter_mut().enumerate().filter(|d| system.held[d.0]) {
             *u = system.prescribed[dof];
@@ -179,6 +183,7 @@ impl<const D: usize> BodyState<D> {
             yielded: 0.0,
             spring_energy,
             unbalanced_work: 2.0 * (strain_energy + spring_energy) - external,
+            work_rounding: ROUNDING * worked,
         };
         Ok((state, residual))
     }

@@ -307,9 +307,11 @@ impl Sheet<'_> {
                 Place::Side(side) => {
                     let facets = scene.side(index, &side);
                     let marks = seen(&body.mesh, facets, window, self.canvas);
-                    let drawn = arrows(self.svg, window, load, &marks, time);
+                    let places = marks.iter().map(|mark| (mark.point, mark.normal));
+                    let values = load.values(&places.collect::<Vec<_>>(), time);
+                    let drawn = arrows(self.svg, window, &marks, &values);
                     self.arrows.extend(&drawn);
-                    let Some(text) = told(load, &marks, time, self.labels) else {
+                    let Some(text) = told(load, &values, self.labels) else {
                         continue;
                     };
                     let outer = drawn.into_iter().map(|ends| ends[1]);
@@ -360,21 +362,11 @@ impl Sheet<'_> {
     }
 }
 
-/// The arrows of a load on a side; returns their ends, the outer ones last.
-fn arrows(
-    svg: &mut Svg,
-    window: &Window,
-    load: &Load<3>,
-    marks: &[Mark],
-    time: f64,
-) -> Vec<[Pixel; 2]> {
-    let values: Vec<Point<3>> = marks
-        .iter()
-        .map(|m| load.at(m.point, m.normal, time))
-        .collect();
+/// The arrows of a load with these values on a side; returns their ends, the outer ones last.
+fn arrows(svg: &mut Svg, window: &Window, marks: &[Mark], values: &[Point<3>]) -> Vec<[Pixel; 2]> {
     let sizes = values.iter().map(|&v| norm(v)).filter(|s| s.is_finite());
     let most = sizes.fold(0.0, f64::max);
-    let drawn = marks.iter().zip(values).filter_map(|(mark, value)| {
+    let drawn = marks.iter().zip(values).filter_map(|(mark, &value)| {
         let size = norm(value) / most;
         (size > 0.06).then(|| push(svg, window, mark, value, size))?
     });
@@ -382,13 +374,14 @@ fn arrows(
 }
 
 /// The values of a load on a side in words.
-fn told(load: &Load<3>, marks: &[Mark], time: f64, labels: &Labels) -> Option<String> {
+fn told(load: &Load<3>, values: &[Point<3>], labels: &Labels) -> Option<String> {
     let unit = match load.amount() {
         Amount::PerArea => &labels.stress,
         Amount::Whole => &labels.force,
     };
-    let values = marks.iter().map(|m| norm(load.at(m.point, m.normal, time)));
     let (low, high) = values
+        .iter()
+        .map(|&value| norm(value))
         .filter(|s| s.is_finite())
         .fold((f64::INFINITY, 0.0f64), |(l, h), s| (l.min(s), h.max(s)));
     (high > 0.0).then(|| match high - low <= 1e-9 * high {
