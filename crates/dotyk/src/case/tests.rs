@@ -142,7 +142,7 @@ fn subdomains_are_a_number_or_chosen() {
         let error = read(&text(wrong)).unwrap_err();
         let span = error.span.clone().unwrap();
         let at = &error.source_text[span];
-        assert!(wrong.trim_matches('"') == at || wrong == at, "{at}");
+        assert!(!at.is_empty() && wrong.contains(at), "{at}");
     }
 }
 

@@ -48,8 +48,8 @@
 //! bodies are compared, too; that is done where the bodies are known.
 //!
 //! *Rounding of gaps.* A gap is a difference of displacements that may be much larger: a soft body carries a stiff one along.
-//! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it. So is the part of
-//! a work that is rounding of the force and the length whose product it is: bodies may be carried without any strain.
+//! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it. A work that is no more
+//! than the rounding of the force and the length whose product it is counts as zero: bodies may be carried without any strain.
 
 use std::fmt;
 
@@ -471,7 +471,7 @@ impl Violations {
             let force = sums.force.max(own.driving_force).max(scales.force);
             let moment = one_if_zero(force) * one_if_zero(scales.moment_arm);
             let (depth, energy) = (larger(sums.penetration, own.implied), own.elastic_energy);
-            let told = |work: f64| beyond(work, ROUNDING * force * scales.length);
+            let told = |work: f64| above(work, ROUNDING * force * scales.length);
             self.penetration.raise(depth, scales.length);
             self.complementarity
                 .raise(told(sums.complementarity), energy);
@@ -652,8 +652,16 @@ fn error_along(component: Component, force: f64, asked: f64) -> f64 {
     }
 }
 
+/// A number, zero where it is no larger than its uncertainty.
+pub(crate) fn above(value: f64, uncertainty: f64) -> f64 {
+    match value.abs() <= uncertainty {
+        true => 0.0,
+        false => value,
+    }
+}
+
 /// The part of a number beyond an uncertainty.
-pub(crate) fn beyond(value: f64, uncertainty: f64) -> f64 {
+fn beyond(value: f64, uncertainty: f64) -> f64 {
     // in this order a NaN stays NaN
     if value.abs() <= uncertainty {
         return 0.0;

@@ -594,7 +594,10 @@ mortar = "base.top"
         case.unwrap().model.solve_steps().err().unwrap().to_string()
     };
     let pulled = "pulls body \"block\" away";
-    let (at_once, later) = (of("[[step]]\ntime = 1\n"), of("[[step]]\ntime = 0.5\n[[step]]\ntime = 1\n"));
+    let (at_once, later) = (
+        of("[[step]]\ntime = 1\n"),
+        of("[[step]]\ntime = 0.5\n[[step]]\ntime = 1\n"),
+    );
     assert!(
         at_once.contains(pulled) && !at_once.contains("until"),
         "{at_once}"

@@ -5,7 +5,7 @@
 //! unbalanced nodal forces of all bodies.
 
 use crate::contact::{Coupling, Row};
-use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed, beyond};
+use crate::dual::{Certificate, Component, Multipliers, OfDomain, ROUNDING, Recomputed, above};
 use crate::geometry::{Point, distance, dot};
 use crate::host::in_order;
 use crate::linalg::SparseVector;
@@ -591,7 +591,7 @@ fn of_domains<const D: usize>(
         borne[of_row(row)] += energy;
     }
     for (domain, own) in found.iter_mut().enumerate() {
-        own.energy_gap = beyond(own.energy_gap.abs(), known[domain]);
+        own.energy_gap = above(own.energy_gap.abs(), known[domain]);
         let least = NO_ENERGY * coupled.scales[domain].energy;
         own.elastic_energy = own
             .elastic_energy

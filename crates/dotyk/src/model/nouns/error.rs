@@ -200,7 +200,7 @@ pub enum Error<const D: usize> {
     },
     /// The load pulls a floating body away from everything that could hold it.
     #[error(
-        "the load pulls body \"{body}\" away from everything that could hold it ({motion}, resultant {load:.4e}{}): its contacts only push; add a support, turn the load, or tie the contact",
+        "the load pulls body \"{body}\" away from everything that could hold it ({motion}, resultant {load:.4e}{}): what holds it only pushes; add a support, turn the load, or tie the contact",
         .until.map_or_else(String::new, |t| format!(", it is held until t = {}", Short(t)))
     )]
     PulledAway {

@@ -57,9 +57,10 @@ pub(crate) fn too_stiff<const D: usize>(
         _ => "bends, or its linear cells are too large".to_string(),
     };
     let cure = instead(kind, model.analysis, locks);
-    // around an axis the hoop strain also resists changes of volume, and no mode releases it
+    // around an axis the hoop strain also resists changes of volume, and no mode releases it; heat bends beside what it lengthens
     let turns = model.analysis == Analysis::Axisymmetric;
-    let least = if locks && turns { "at least" } else { "about" };
+    let hidden = locks && turns || body.initial.strain.is_some();
+    let least = if hidden { "at least" } else { "about" };
     Ok(Some(format!(
         "body \"{}\" {cause}: {:.0} % of its energy is in strains of the cells alone, and it gives way too little by {least} as much: use {cure}",
         solved.name,
