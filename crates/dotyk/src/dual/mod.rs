@@ -35,7 +35,7 @@ mod split;
 pub use admissible::{AdmissibleSet, Component};
 pub use balance::Balance;
 pub(crate) use certificate::{
-    BETWEEN_LIMIT, FORCE_LIMIT, NOT_OF_THE_SOLVER, ROUNDING, Violations, beyond,
+    BETWEEN_LIMIT, FORCE_LIMIT, NOT_OF_THE_SOLVER, ROUNDING, Violations, above,
 };
 pub use certificate::{Certificate, Figure, IMBALANCE_LIMIT, OfDomain, OfYield, Recomputed};
 pub use feasibility::{Feasibility, NO_WORK};
