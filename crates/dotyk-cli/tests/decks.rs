@@ -616,6 +616,25 @@ fn forces_of_sets_are_those_of_calculix() {
     );
 }
 
+/// A block that is pressed and dragged with friction in increments of a quarter, whose results the deck asks for: each that many times; what
+/// is asked for without FREQUENCY once, at the end.
+#[test]
+fn increments_that_a_deck_asks_for_are_steps() {
+    let tables = printed("increments");
+    let sums = |head: &str, column: usize| -> Vec<f64> {
+        let own = tables.iter().filter(|(own, _)| own.starts_with(head));
+        own.map(|(_, rows)| rows.iter().map(|row| row[column]).sum())
+            .collect()
+    };
+    let lifted = sums("forces", 3);
+    assert_eq!(lifted.len(), 4);
+    for (k, force) in lifted.into_iter().enumerate() {
+        // a pressure of 1 on 2 x 2
+        near(force, (k + 1) as f64, &format!("increment {}", k + 1));
+    }
+    assert_eq!(sums("stresses", 2).len(), 1);
+}
+
 #[test]
 fn what_a_deck_names_once_more_is_no_other_thing() {
     // a body whose name is that of the body and the section of another one

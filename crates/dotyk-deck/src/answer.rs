@@ -59,10 +59,10 @@ impl Deck {
         let mut text = String::from(
             "SUMMARY OF JOB INFORMATION\n  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME\n",
         );
-        for (number, step) in (1..).zip(self.deck.steps.iter().take(steps)) {
-            let (time, period) = (step.time, step.period);
-            text += &format!("{number:6}{:9}{:8}{:6}", 1, 1, 1);
-            for value in [time, period, period] {
+        for step in self.deck.steps.iter().take(steps) {
+            let (time, period, [number, increment, _]) = (step.time, step.period, step.number);
+            text += &format!("{number:6}{increment:9}{:8}{:6}", 1, 1);
+            for value in [time, increment as f64 * period, period] {
                 let mut line = Vec::new();
                 crate::number::scientific(&mut line, value, 14, 6);
                 text += &String::from_utf8_lossy(&line);

@@ -135,9 +135,14 @@ impl<'d> Writer<'d> {
         writer.contacts()?;
         writer.ties()?;
         writer.bolts(&tightened)?;
-        for (number, step) in (1..).zip(writer.deck.steps.clone()) {
+        for step in writer.deck.steps.clone() {
+            let [number, increment, count] = step.number;
+            let increment = match count {
+                1 => String::new(),
+                _ => format!("-{increment}"),
+            };
             let line = format!(
-                "[[step]]\nname = \"step-{number}\"\ntime = {:?}\n",
+                "[[step]]\nname = \"step-{number}{increment}\"\ntime = {:?}\n",
                 step.time
             );
             line.lines()

@@ -2,7 +2,8 @@
 //!
 //! Loads, supports and temperatures stay until they are changed. OP=NEW of the first card of a keyword in a step takes away all
 //! that earlier steps have brought by it. A load that a step names replaces that of earlier steps; named twice in one step, its
-//! parts add. Amplitudes and ramps count by their value at the end of a step; an amplitude of step time ends with its step. All
+//! parts add. Amplitudes and ramps count by their value at the end of a step, or of its increments where contacts have friction and the deck
+//! asks for their results; an amplitude of step time ends with its step. All
 //! this is as CalculiX has it.
 
 use crate::deck::*;
@@ -158,6 +159,41 @@ impl<K: Ord + Clone> Courses<K> {
         self.touched.clear();
     }
 
+    /// Writes down the values at a part of a step: straight from those reached before it, `started` steps, to those at its end; amplitudes
+    /// have the `factor` of the time.
+    fn within(
+        &mut self,
+        (step, started): (usize, usize),
+        share: f64,
+        factor: impl Fn(&str) -> f64,
+    ) {
+        let keys: Vec<K> = self.now.keys().cloned().collect();
+        for key in keys {
+            let before = self.reached(&key, started).unwrap_or(0.0);
+            let current = &self.now[&key];
+            let (varying, steady): (Vec<&Part>, Vec<&Part>) =
+                (current.parts.iter()).partition(|part| part.amplitude.is_some());
+            let end: f64 = steady.iter().map(|part| part.value).sum();
+            let own = |part: &&Part| part.value * part.amplitude.as_deref().map_or(1.0, &factor);
+            let value = match varying.is_empty() {
+                true => before + share * (end - before),
+                false => share * end + varying.iter().map(own).sum::<f64>(),
+            };
+            let fixed = current.fixed;
+            let course = self.all.entry(key).or_insert_with(|| Course {
+                place: current.place,
+                of: current.of.clone(),
+                keyword: current.keyword.clone(),
+                values: Vec::new(),
+                fixed: Vec::new(),
+            });
+            course.values.resize(step, None);
+            course.values.push(Some(value));
+            course.fixed.resize(step, false);
+            course.fixed.push(fixed);
+        }
+    }
+
     /// Gives all courses a value for each of the steps.
     fn close(&mut self, steps: usize) {
         for course in self.all.values_mut() {
@@ -197,13 +233,19 @@ pub(crate) struct Request {
     pub totals: Option<String>,
     /// Names of results in capitals.
     pub quantities: Vec<String>,
+    /// Of how many increments one is written, besides the last; `None` where the deck does not say.
+    pub frequency: Option<usize>,
 }
 
-/// A step.
+/// A step, or an increment of one.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Step {
     pub place: Place,
     pub nlgeom: bool,
+    /// Number of the step, of the increment in it, and of all of them.
+    pub number: [usize; 3],
+    /// Length of an increment, as *STATIC has it.
+    pub increment: f64,
     /// Time at its end, and since its beginning.
     pub time: f64,
     pub period: f64,
@@ -281,6 +323,9 @@ pub(crate) fn read(
     acting.temperatures.close(count);
     Ok(())
 }
+
+/// Most increments of a step.
+const MOST_INCREMENTS: f64 = 1e4;
 
 /// Components of unit vectors of one direction differ by this at most.
 const SAME_WAY: f64 = 1e-9;
@@ -913,19 +958,9 @@ impl Reader<'_> {
                 "one line of data is enough: increment, and time of the step",
             ));
         }
-        let period = match card.rows.first() {
-            Some(row) => {
-                let increment = row.number_or(card, 0, 1.0)?;
-                let period = row.number_or(card, 1, 1.0)?;
-                if increment < period {
-                    self.tell_once(
-                        card,
-                        "increments are passed over: one answer at the end of the step",
-                    );
-                }
-                period
-            }
-            None => 1.0,
+        let [increment, period] = match card.rows.first() {
+            Some(row) => [row.number_or(card, 0, 1.0)?, row.number_or(card, 1, 1.0)?],
+            None => [1.0; 2],
         };
         self.statics = true;
         if period <= 0.0 {
@@ -934,7 +969,7 @@ impl Reader<'_> {
             )));
         }
         match &mut self.step {
-            Some(step) => step.period = period,
+            Some(step) => (step.increment, step.period) = (increment, period),
             None => return Err(card.fault("it belongs within a *STEP")),
         }
         Ok(())
@@ -953,24 +988,76 @@ impl Reader<'_> {
                 message,
             });
         }
+        let count = self.increments(&step);
+        let passed = "increments are passed over: there is one answer, at the end of the step, unless contacts have friction and results are asked for by FREQUENCY";
+        if count == 1 && step.increment < step.period && self.told.insert(passed) {
+            self.deck.note(step.place, "STATIC", passed);
+        }
+        let number = self.deck.steps.last().map_or(1, |last| last.number[0] + 1);
+        let (started, before) = (self.deck.steps.len(), self.deck.steps.last());
+        let before = before.map_or(0.0, |step| step.time);
+        let whole = step.period;
+        step.period /= count as f64;
+        for increment in 1..=count {
+            let share = increment as f64 / count as f64;
+            step.number = [number, increment, count];
+            step.time = match increment == count {
+                true => before + whole,
+                false => before + share * whole,
+            };
+            let asked = |request: &&Request| {
+                let each = request.frequency.unwrap_or(usize::MAX);
+                increment == count || increment % each == 0
+            };
+            step.requests = self.requests.iter().filter(asked).cloned().collect();
+            self.write_down(&step, (started, share), whole);
+        }
+        Ok(())
+    }
+
+    /// Into how many increments a step is divided: where its contacts have friction and the deck asks for results of increments.
+    fn increments(&self, step: &Step) -> usize {
+        let frictions = self.deck.interactions.values();
+        let mut frictions = frictions.filter_map(|own| own.friction.last());
+        let mut asked = self.requests.iter().filter_map(|request| request.frequency);
+        let heats = !self.deck.acting.temperatures.touched.is_empty();
+        let divided = frictions.any(|value| *value > 0.0) && asked.next().is_some() && !heats;
+        match divided && step.increment > 0.0 {
+            true => (step.period / step.increment)
+                .round()
+                .clamp(1.0, MOST_INCREMENTS) as usize,
+            false => 1,
+        }
+    }
+
+    /// Writes down what acts at the end of a step, or at a part of it.
+    fn write_down(&mut self, step: &Step, (started, share): (usize, f64), whole: f64) {
         let deck = &mut *self.deck;
-        let before = deck.steps.last().map_or(0.0, |step| step.time);
-        step.time = before + step.period;
-        step.requests.clone_from(&self.requests);
         let (amplitudes, at) = (&deck.amplitudes, deck.steps.len());
-        let factor = |name: &Option<String>| {
-            let amplitude = name.as_ref().and_then(|name| amplitudes.get(name));
-            amplitude.map_or((1.0, false), |amplitude| match amplitude.total {
-                true => (amplitude.at(step.time), true),
-                false => (amplitude.at(step.period), false),
-            })
+        let factor = |name: &str| {
+            amplitudes
+                .get(name)
+                .map_or((1.0, false), |amplitude| match amplitude.total {
+                    true => (amplitude.at(step.time), true),
+                    false => (amplitude.at(share * whole), false),
+                })
         };
         let acting = &mut deck.acting;
-        acting.held.end(at, factor);
-        acting.forces.end(at, factor);
-        acting.pressures.end(at, factor);
-        acting.gravity.end(at, factor);
-        acting.temperatures.end(at, factor);
+        if step.number[1] == step.number[2] {
+            let factor = |name: &Option<String>| name.as_deref().map_or((1.0, false), factor);
+            acting.held.end(at, factor);
+            acting.forces.end(at, factor);
+            acting.pressures.end(at, factor);
+            acting.gravity.end(at, factor);
+            acting.temperatures.end(at, factor);
+        } else {
+            let (places, factor) = ((at, started), |name: &str| factor(name).0);
+            acting.held.within(places, share, factor);
+            acting.forces.within(places, share, factor);
+            acting.pressures.within(places, share, factor);
+            acting.gravity.within(places, share, factor);
+            acting.temperatures.within(places, 1.0, factor);
+        }
         for pair in &mut deck.pairs {
             let last = pair.present.last().copied().unwrap_or(true);
             pair.present.resize(at + 1, last);
@@ -981,8 +1068,7 @@ impl Reader<'_> {
             let last = interaction.tied.last().copied().unwrap_or(false);
             interaction.tied.resize(at + 1, last);
         }
-        deck.steps.push(step);
-        Ok(())
+        deck.steps.push(step.clone());
     }
 
     /// The amplitude of a card, and whether it takes away what is there.
@@ -1280,15 +1366,24 @@ impl Reader<'_> {
         if self.asked.insert(keyword.to_string()) {
             self.requests.retain(|request| request.keyword != keyword);
         }
-        if card.word("FREQUENCY").is_some_and(|word| word == "0") {
-            return Ok(());
-        }
+        let frequency = match card.word("FREQUENCY").as_deref() {
+            Some("0") => return Ok(()),
+            None => None,
+            Some(word) => match word.parse::<usize>() {
+                Ok(each) => Some(each),
+                Err(_) => {
+                    let message = format!("FREQUENCY={word}: a number of increments is expected");
+                    return Err(card.fault(message));
+                }
+            },
+        };
         self.requests.push(Request {
             keyword: keyword.to_string(),
             set: set.map(str::to_string),
             pair,
             totals: card.word("TOTALS"),
             quantities,
+            frequency,
         });
         Ok(())
     }
