@@ -989,7 +989,7 @@ impl Reader<'_> {
             });
         }
         let count = self.increments(&step);
-        let passed = "increments are passed over: there is one answer, at the end of the step, unless contacts have friction and results are asked for by FREQUENCY";
+        let passed = "increments are passed over: there is one answer, at the end of the step, unless contacts have friction, results are asked for by FREQUENCY, and no temperature changes";
         if count == 1 && step.increment < step.period && self.told.insert(passed) {
             self.deck.note(step.place, "STATIC", passed);
         }

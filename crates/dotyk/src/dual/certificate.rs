@@ -48,8 +48,9 @@
 //! bodies are compared, too; that is done where the bodies are known.
 //!
 //! *Rounding of gaps.* A gap is a difference of displacements that may be much larger: a soft body carries a stiff one along.
-//! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it. A work that is no more
-//! than the rounding of the force and the length whose product it is counts as zero: bodies may be carried without any strain.
+//! The part of a gap that is rounding of these displacements says nothing, and every figure is computed without it. Bodies may be carried
+//! without any strain: where even the elastic energy is no more than the rounding of a work, of the force times the length, works below that
+//! count as zero, provided that the gaps are known well enough for the forces.
 
 use std::fmt;
 
@@ -311,6 +312,8 @@ struct OfContact {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Sums {
     force: f64,
+    /// Largest force by which a unit gap changes one.
+    stiffness: f64,
     penetration: f64,
     complementarity: f64,
     primal_dual: f64,
@@ -354,6 +357,9 @@ const SMALL_CONTACT: f64 = 1e-3;
 
 /// Loads of a domain count by this part beside the forces of its contacts.
 const PASSES: f64 = 1e-6;
+
+/// Forces whose change by the rounding of gaps is below this part of them are known.
+const KNOWN_FORCE: f64 = 1e-7;
 
 impl Violations {
     /// Finds them at (λ, α) with the gap there; `components` may call a component free that is not (a bolt).
@@ -406,6 +412,7 @@ impl Violations {
             let domain = &mut domains[coupled.domain_of(i)];
             contact.force = contact.force.max(force.abs());
             domain.force = domain.force.max(force.abs());
+            domain.stiffness = domain.stiffness.max(1.0 / problem.softness[i]);
             let rigid = problem.balance.modes().motion(i, alpha);
             domain.stored += force * (gap[i] + problem.shift[i] + rigid);
             let gap = told(i);
@@ -471,7 +478,12 @@ impl Violations {
             let force = sums.force.max(own.driving_force).max(scales.force);
             let moment = one_if_zero(force) * one_if_zero(scales.moment_arm);
             let (depth, energy) = (larger(sums.penetration, own.implied), own.elastic_energy);
-            let told = |work: f64| above(work, ROUNDING * force * scales.length);
+            // works of what is hardly strained, if gaps are known well enough for its forces
+            let none = ROUNDING * force * scales.length;
+            let bears = sums.force.max(PASSES * force);
+            let known = ROUNDING * scales.length * sums.stiffness <= KNOWN_FORCE * bears;
+            let idle = energy <= none && known;
+            let told = |work: f64| above(work, if idle { none } else { 0.0 });
             self.penetration.raise(depth, scales.length);
             self.complementarity
                 .raise(told(sums.complementarity), energy);

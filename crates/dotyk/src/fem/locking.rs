@@ -19,7 +19,8 @@
 //!   distortion, and one step of steepest descent releases G = (f·v)² / 4 W(v), W the energy of distortion. Pressures that
 //!   alternate without forces, as they do in pairs of triangles, add nothing.
 //!
-//! A body with an initial strain expands without effort: its mean strain does not count in E, M and J, none of which bends a cell.
+//! A body with an initial strain expands without effort: where its strain varies much, its mean, which bends no cell, does not count in E,
+//! M and J.
 
 use crate::fem::block::{Cells, Deformation};
 use crate::fem::borders::Borders;
@@ -44,8 +45,8 @@ pub(crate) struct Unseen {
     pub kind: Option<CellKind>,
 }
 
-/// An energy of strains about their mean below this part of the whole is rounding.
-const UNIFORM: f64 = 1e-9;
+/// Strains whose energy about their mean is below this part of the whole vary at few places alone.
+const VARIES: f64 = 0.1;
 
 /// Energies of some cells.
 #[derive(Debug, Clone, Copy, Default)]
@@ -101,8 +102,12 @@ pub(crate) fn unseen<const D: usize>(
         }
         freed += part.freed()?;
     }
-    // where all but the mean is rounding nothing bends
-    let part = if all > UNIFORM * whole_energy {
+    let all = if all > VARIES * whole_energy {
+        all
+    } else {
+        whole_energy
+    };
+    let part = if all > 0.0 {
         1.0 - (1.0 - own / (all + excess)) / (1.0 + freed / all)
     } else {
         0.0

@@ -894,3 +894,51 @@ fn a_tie_that_supports_leave_without_a_condition_is_told() {
     assert!(cubes("tet10", 2, 2) && cubes("hex8", 1, 2));
     assert!(!cubes("hex8", 2, 2) && !cubes("hex20", 2, 2) && !cubes("hex27", 3, 2));
 }
+
+/// A punch far above a block, pressed ever more softly: it is carried a length and strained by q/E. Where rounding of its motion hides the
+/// forces there is no answer, instead of a wrong one.
+#[test]
+fn forces_that_rounding_of_a_motion_hides_are_not_certified() {
+    let pressures = |gap: f64, load: f64| {
+        let top = |y: f64| y + gap;
+        let text = format!(
+            "{PLANE}{}{}{}",
+            block(
+                "base",
+                [0.0, 0.0],
+                [3.0, 1.0],
+                [12, 4],
+                "fix = [{ side = \"bottom\", x = 0, y = 0 }]"
+            ),
+            block(
+                "punch",
+                [1.0, top(1.0)],
+                [2.0, top(2.0)],
+                [5, 4],
+                &format!(
+                    "load = [{{ side = \"top\", traction = [0, {}] }}]\nfix = [{{ side = \"left\", x = 0 }}]",
+                    -load
+                )
+            ),
+            contact(
+                "sole",
+                "nonmortar = \"punch.bottom\"\nmortar = \"base.top\""
+            )
+        );
+        let solution = solve(&text).ok()?;
+        let nodes = solution.contacts[0].nodes.iter();
+        Some(nodes.map(|node| node.pressure / load).collect::<Vec<f64>>())
+    };
+    let touching = pressures(0.0, 1.0).unwrap();
+    let mut answered = 0;
+    for load in [1.0, 1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12] {
+        let Some(found) = pressures(1.0, load) else {
+            continue;
+        };
+        answered += 1;
+        for (a, b) in found.iter().zip(&touching) {
+            assert!((a - b).abs() < 1e-5, "{load}: {a} {b}");
+        }
+    }
+    assert!(answered >= 3, "{answered}");
+}

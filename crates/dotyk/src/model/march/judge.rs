@@ -591,7 +591,9 @@ fn of_domains<const D: usize>(
         borne[of_row(row)] += energy;
     }
     for (domain, own) in found.iter_mut().enumerate() {
-        own.energy_gap = above(own.energy_gap.abs(), known[domain]);
+        let idle = own.elastic_energy <= known[domain];
+        let none = if idle { known[domain] } else { 0.0 };
+        own.energy_gap = above(own.energy_gap.abs(), none);
         let least = NO_ENERGY * coupled.scales[domain].energy;
         own.elastic_energy = own
             .elastic_energy

@@ -59,10 +59,15 @@ pub(crate) fn too_stiff<const D: usize>(
     let cure = instead(kind, model.analysis, locks);
     // around an axis the hoop strain also resists changes of volume, and no mode releases it; heat bends beside what it lengthens
     let turns = model.analysis == Analysis::Axisymmetric;
-    let hidden = locks && turns || body.initial.strain.is_some();
-    let least = if hidden { "at least" } else { "about" };
+    let heated = body.initial.strain.is_some();
+    let least = if locks && turns || heated {
+        "at least"
+    } else {
+        "about"
+    };
+    let place = if heated { " where heat bends it" } else { "" };
     Ok(Some(format!(
-        "body \"{}\" {cause}: {:.0} % of its energy is in strains of the cells alone, and it gives way too little by {least} as much: use {cure}",
+        "body \"{}\" {cause}: {:.0} % of its energy is in strains of the cells alone, and it gives way too little by {least} as much{place}: use {cure}",
         solved.name,
         100.0 * part
     )))
