@@ -144,17 +144,7 @@ impl<K: Ord + Clone> Courses<K> {
             let value = parts
                 .map(|part| part.value * factor(&part.amplitude).0)
                 .sum();
-            let course = self.all.entry(key.clone()).or_insert_with(|| Course {
-                place: current.place,
-                of: current.of.clone(),
-                keyword: current.keyword.clone(),
-                values: Vec::new(),
-                fixed: Vec::new(),
-            });
-            course.values.resize(step, None);
-            course.values.push(Some(value));
-            course.fixed.resize(step, false);
-            course.fixed.push(current.fixed);
+            write(self.all.entry(key.clone()), current, (step, value));
         }
         self.touched.clear();
     }
@@ -179,18 +169,7 @@ impl<K: Ord + Clone> Courses<K> {
                 true => before + share * (end - before),
                 false => share * end + varying.iter().map(own).sum::<f64>(),
             };
-            let fixed = current.fixed;
-            let course = self.all.entry(key).or_insert_with(|| Course {
-                place: current.place,
-                of: current.of.clone(),
-                keyword: current.keyword.clone(),
-                values: Vec::new(),
-                fixed: Vec::new(),
-            });
-            course.values.resize(step, None);
-            course.values.push(Some(value));
-            course.fixed.resize(step, false);
-            course.fixed.push(fixed);
+            write(self.all.entry(key), current, (step, value));
         }
     }
 
@@ -201,6 +180,21 @@ impl<K: Ord + Clone> Courses<K> {
             course.fixed.resize(steps, false);
         }
     }
+}
+
+/// Writes down the value of a step.
+fn write<K: Ord>(course: Entry<'_, K, Course>, current: &Current, (step, value): (usize, f64)) {
+    let course = course.or_insert_with(|| Course {
+        place: current.place,
+        of: current.of.clone(),
+        keyword: current.keyword.clone(),
+        values: Vec::new(),
+        fixed: Vec::new(),
+    });
+    course.values.resize(step, None);
+    course.values.push(Some(value));
+    course.fixed.resize(step, false);
+    course.fixed.push(current.fixed);
 }
 
 /// Where a value comes from.
@@ -1367,9 +1361,9 @@ impl Reader<'_> {
             self.requests.retain(|request| request.keyword != keyword);
         }
         let frequency = match card.word("FREQUENCY").as_deref() {
-            Some("0") => return Ok(()),
             None => None,
             Some(word) => match word.parse::<usize>() {
+                Ok(0) => return Ok(()),
                 Ok(each) => Some(each),
                 Err(_) => {
                     let message = format!("FREQUENCY={word}: a number of increments is expected");
