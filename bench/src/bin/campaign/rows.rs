@@ -8,7 +8,7 @@ use crate::problem::Law;
 use crate::raw::{Row, Status, Step};
 use crate::state::State;
 use crate::touch::{Sample, Touch};
-use crate::vector::{dot, length, minus, plus, raised, tangents, times, unit};
+use crate::vector::{across, dot, length, minus, plus, raised, tangents, times, unit};
 use std::collections::BTreeMap;
 
 /// Force of a row on its node of the nonmortar body; `None` where it is not defined.
@@ -413,7 +413,8 @@ fn check_pushes<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
         let allowed = if touch.nodal {
             // normals of both sides differ by the angle of a facet where friction or a curve turns the force
             let parts = if rough { 1.5 } else { 0.5 };
-            limit + parts * skin.turn * length(force)
+            let lean = if rough { lean(view, c) } else { 0.0 };
+            limit + (parts * skin.turn + lean) * length(force)
         } else {
             // each along its own normal: a node whose neighbours push elsewhere on a curve may pull, too
             let nodes = || skin.around.keys().map(|&n| (n, view.state.rest[body][n]));
@@ -421,7 +422,7 @@ fn check_pushes<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
             let push = push.fold(0.0, f64::max);
             let size = nodes().map(|(_, f)| length(f)).fold(0.0, f64::max);
             let aside = if rough {
-                turned_shear(touch) * size
+                (turned_shear(touch) + lean(view, c)) * size
             } else {
                 0.0
             };
@@ -447,6 +448,17 @@ fn turned_shear<const D: usize>(touch: &Touch<'_, D>) -> f64 {
     }
     let turn = touch.skin.turn + opposite.map_or(0.0, |o| o.turn);
     3.0 * turn.min(std::f64::consts::FRAC_PI_2).sin()
+}
+
+/// Largest sine between the normal of an obstacle and that of a side at its nodes: shear along the one pulls at the other.
+fn lean<const D: usize>(view: &View<'_, D>, c: usize) -> f64 {
+    let touch = &view.touches[c];
+    if touch.opposite.is_some() {
+        return 0.0;
+    }
+    let rows = view.step.contacts[c].rows.iter();
+    let sines = rows.map(|row| length(across(row.normal, touch.skin.normal_at(row.node))));
+    sines.fold(0.0, f64::max)
 }
 
 /// Where a row has no force, the contacts there must still allow the force on its node.

@@ -8,6 +8,13 @@ use crate::fem::{Place, describe, nearest_node, side_nodes};
 use std::collections::BTreeSet;
 
 impl<const D: usize> End<'_, D> {
+    /// The nodes of the side. Errors: an unknown or empty side.
+    pub(super) fn nodes(&self) -> Result<BTreeSet<usize>, ContactError> {
+        let facets = self.facets()?.iter();
+        let nodes = facets.flat_map(|&facet| self.body.mesh.facet_nodes(facet));
+        Ok(nodes.map(|node| node as usize).collect())
+    }
+
     /// The nodes of the side at some places of its body: on another side, or nearest to a point.
     ///
     /// Errors: an unknown side, a point far from all nodes, a place without a node of this side, a side without remaining nodes.
@@ -17,9 +24,7 @@ impl<const D: usize> End<'_, D> {
             body: self.body.name.clone(),
             source,
         };
-        let own = self.facets()?.iter();
-        let own = own.flat_map(|&facet| mesh.facet_nodes(facet));
-        let own: BTreeSet<usize> = own.map(|node| node as usize).collect();
+        let own = self.nodes()?;
         let mut found = BTreeSet::new();
         for place in places {
             let nodes = match place {

@@ -51,7 +51,7 @@
 
 use crate::contact::functions::{Basis, Cell, Cover, FUNCTIONS, Piece, cells, functions};
 use crate::contact::lever::Lever;
-use crate::contact::opposite::{Opposite, shape};
+use crate::contact::opposite::{Found, Opposite, shape};
 use crate::contact::relative::{Relative, axes, carried, frame, separates, tangents_along};
 use crate::contact::search::{Hit, meet};
 use crate::contact::share::{GapAt, Share, Station, Sums};
@@ -469,6 +469,9 @@ impl<'a, const D: usize> Pairing<'a, D> {
     fn relative(&self, node: usize, looks: &BTreeMap<usize, Place>) -> Relative<D> {
         let held = self.sides.nonmortar.constraints.at(node);
         let place = looks.get(&node);
+        if self.opposite_itself(node, place) {
+            return Relative::none();
+        }
         let still = |h: &Held<D>| h.still && self.opposite_held(place, h.axis, true);
         Relative {
             prescribed: axes(held, |_| true),
@@ -536,7 +539,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
             let nodes: BTreeSet<usize> = nodes.copied().collect();
             for node in nodes {
                 let axis = self.frames[&node][component];
-                if self.opposite_held(looks.get(&node), axis, false) {
+                let place = looks.get(&node);
+                if self.opposite_itself(node, place) || self.opposite_held(place, axis, false) {
                     continue;
                 }
                 if let Some(own) = kept.get_mut(&node) {
@@ -800,6 +804,18 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(entry)
     }
 
+    /// Whether a node is opposite itself, as that at the tip of a slit is: it does not move relative to the other side.
+    fn opposite_itself(&self, node: usize, place: Option<&Place>) -> bool {
+        let itself = |&(other, shape): &(usize, f64)| other == node && shape > 0.5;
+        self.sides.common.contains(&node)
+            && (self.opposite(place)).is_some_and(|found| found.nodes.iter().any(itself))
+    }
+
+    /// What is opposite a place; `None` also where a gap there is not finite, which is told elsewhere.
+    fn opposite(&self, place: Option<&Place>) -> Option<Found> {
+        place.and_then(|(facet, xi)| self.sides.at(*facet, xi).ok().flatten())
+    }
+
     /// Whether the motion of the other side along an axis is prescribed opposite a place; with `still`, whether it is zero at all
     /// times. Without a place there is nothing that moves.
     fn opposite_held(&self, place: Option<&Place>, axis: Point<D>, still: bool) -> bool {
@@ -808,7 +824,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
             Against::Obstacle(_, driven) => return driven == Driven::Still || !still,
             Against::Side(mortar) => mortar,
         };
-        let opposite = place.and_then(|(facet, xi)| self.sides.at(*facet, xi).ok().flatten());
+        let opposite = self.opposite(place);
         let held = |node: usize| {
             let held = axes(mortar.constraints.at(node), |h| h.still || !still);
             let part: f64 = held.iter().map(|&h| dot(h, axis).powi(2)).sum();

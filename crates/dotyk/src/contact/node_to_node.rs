@@ -117,9 +117,12 @@ pub fn pair_nodes<const D: usize>(
                 return Ok(None);
             };
             let (own, other) = (nonmortar.constraints.at(node), mortar.constraints.at(j));
-            let relative = Relative {
-                prescribed: shared(&axes(own, |_| true), &axes(other, |_| true)),
-                still: shared(&axes(own, |h| h.still), &axes(other, |h| h.still)),
+            let relative = match std::ptr::eq(nonmortar.body, mortar.body) && node == j {
+                true => Relative::none(),
+                false => Relative {
+                    prescribed: shared(&axes(own, |_| true), &axes(other, |_| true)),
+                    still: shared(&axes(own, |h| h.still), &axes(other, |h| h.still)),
+                },
             };
             let point = s.points()[node];
             let facing = normal;

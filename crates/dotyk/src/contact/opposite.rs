@@ -8,6 +8,7 @@ use crate::contact::{Against, ContactError, End, InitialGap};
 use crate::fem::TrueSurface;
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
+use std::collections::BTreeSet;
 
 /// A nonmortar side and its opposite, prepared for the search.
 pub(super) struct Opposite<'a, const D: usize> {
@@ -20,6 +21,19 @@ pub(super) struct Opposite<'a, const D: usize> {
     surfaces: [Option<TrueSurface<'a, D>>; 2],
     /// None against an obstacle.
     pub search: Option<SideSearch<'a, D>>,
+    /// Nodes of both sides, such as those at the tip of a slit.
+    pub common: BTreeSet<usize>,
+}
+
+/// Nodes of two sides of one body.
+fn common_nodes<const D: usize>(
+    a: End<'_, D>,
+    b: End<'_, D>,
+) -> Result<BTreeSet<usize>, ContactError> {
+    match std::ptr::eq(a.body, b.body) {
+        true => Ok(&a.nodes()? & &b.nodes()?),
+        false => Ok(BTreeSet::new()),
+    }
 }
 
 impl<'a, const D: usize> Opposite<'a, D> {
@@ -33,11 +47,13 @@ impl<'a, const D: usize> Opposite<'a, D> {
         let own = nonmortar.facets()?;
         let against = against.paired();
         let mut surfaces = [Some(true_surface(nonmortar, own)?), None];
+        let mut common = BTreeSet::new();
         let search = match against {
             Against::Obstacle(..) => None,
             Against::Side(mortar) => {
                 let other = mortar.facets()?;
                 surfaces[1] = Some(true_surface(mortar, other)?);
+                common = common_nodes(nonmortar, mortar)?;
                 Some(SideSearch::new(
                     &nonmortar.body.mesh,
                     &mortar.body.mesh,
@@ -53,6 +69,7 @@ impl<'a, const D: usize> Opposite<'a, D> {
             normals: Normals::new(nonmortar, own)?,
             surfaces,
             search,
+            common,
         })
     }
 

@@ -85,6 +85,15 @@ pub(super) struct Relative<const D: usize> {
 }
 
 impl<const D: usize> Relative<D> {
+    /// No motion at all.
+    pub fn none() -> Self {
+        let axes = || (0..D).map(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+        Self {
+            prescribed: axes().collect(),
+            still: axes().collect(),
+        }
+    }
+
     /// The normal without its prescribed part; unchanged if nothing remains.
     pub fn free_normal(&self, normal: Point<D>) -> Point<D> {
         free_part(normal, self.prescribed.iter().copied()).unwrap_or(normal)

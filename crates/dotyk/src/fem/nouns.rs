@@ -78,6 +78,16 @@ pub enum Place<const D: usize> {
     Point(Point<D>),
 }
 
+impl<const D: usize> Place<D> {
+    /// The side, if it is one.
+    pub fn side(&self) -> Option<&str> {
+        match self {
+            Self::Side(side) => Some(side),
+            Self::Point(_) => None,
+        }
+    }
+}
+
 /// The times when a part is present: from ≤ t < until.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Active {

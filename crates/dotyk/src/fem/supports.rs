@@ -10,10 +10,10 @@
 use crate::fem::error::{FemError, show};
 use crate::fem::nouns::{Analysis, Body, History, Place};
 use crate::fem::sides::side_nodes;
-use crate::fem::surface::node_normals;
+use crate::fem::surface::joined_normals;
 use crate::geometry::{Field, Point, add_scaled, distance, dot, norm};
 use crate::mesh::Mesh;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// One prescribed displacement component: axis·u = value at a node.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,21 +78,20 @@ impl<const D: usize> Constraints<D> {
                 constraints.hold(body, node, radial, Prescribed::STILL, None)?;
             }
         }
+        let rollers = body.supports.iter().filter(|s| s.normal.is_some());
+        let sides: BTreeSet<&str> = rollers.filter_map(|s| s.place.side()).collect();
+        let sides: Vec<&str> = sides.into_iter().collect();
+        let normals = joined_normals(body, &sides)?;
+        let normals: BTreeMap<&str, _> = sides.into_iter().zip(normals).collect();
+        let none = BTreeMap::new();
         for (index, support) in body.supports.iter().enumerate() {
             let placed = history.placed.get(&index);
-            let (nodes, normals) = match &support.place {
-                Place::Side(side) => {
-                    let normals = match support.normal {
-                        Some(_) => node_normals(body, side)?,
-                        None => BTreeMap::new(),
-                    };
-                    (side_nodes(&body.mesh, side)?.into_iter().collect(), normals)
-                }
-                Place::Point(point) => (
-                    vec![nearest_node(&body.mesh, *point, "support")?],
-                    BTreeMap::new(),
-                ),
+            let nodes: Vec<usize> = match &support.place {
+                Place::Side(side) => side_nodes(&body.mesh, side)?.into_iter().collect(),
+                Place::Point(point) => vec![nearest_node(&body.mesh, *point, "support")?],
             };
+            let side = support.place.side();
+            let normals = side.and_then(|side| normals.get(side)).unwrap_or(&none);
             let fields = support.components.iter().flatten().chain(&support.normal);
             let points = nodes.iter().map(|&node| body.mesh.points()[node]);
             Field::prepare(fields, points, time);

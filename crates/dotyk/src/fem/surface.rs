@@ -7,10 +7,11 @@
 //!
 //! * of the true surface where it is known;
 //! * else interpolated between nodes, and at nodes the sum of the normals n of the facets that meet there, weighted by 1/L with the
-//!   lengths L of edges in the plane, by sin α/(L₁L₂) with the edges of corners in space. On circles, on spheres, and on cylinders
-//!   with edges along the axis, that is the radius however different the facets are: for chords of the angles 2a and 2b, of
-//!   lengths 2R sin a and 2R sin b, the normals' parts along the tangent are −sin a/(2R sin a) + sin b/(2R sin b) = 0. Normals
-//!   along the radius x/R at nodes are so between them. At the end of a line its last edge bends as at its other end.
+//!   lengths L of edges in the plane, by sin α/(L₁L₂) with the edges of corners in space, those of flat triangles between nodes.
+//!   On circles, on spheres, and on cylinders with edges along the axis, that is the radius however different the facets are: for
+//!   chords of the angles 2a and 2b, of lengths 2R sin a and 2R sin b, the normals' parts along the tangent are
+//!   −sin a/(2R sin a) + sin b/(2R sin b) = 0. Normals along the radius x/R at nodes are so between them. At the end of a line its
+//!   last edge bends as at its other end.
 //!
 //! A motion along such a surface is then not resisted, to rounding, and one across it by the whole spring, however weak.
 //! Facets that meet at a sharp corner keep their own normals.
@@ -21,8 +22,8 @@ use crate::fem::error::FemError;
 use crate::fem::nouns::Body;
 use crate::fem::sides::side_facets;
 use crate::geometry::{Point, Surface, add_scaled, cross, dot, norm, padded, sub, unit};
-use crate::mesh::{CellKind, Facet, MAX_FACET_NODES, Mesh, SHARP};
-use std::collections::BTreeMap;
+use crate::mesh::{Facet, MAX_FACET_NODES, Mesh, SHARP, divided};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The given surface behind a side; `None`: its facets are the true surface.
 type Behind<const D: usize> = Option<Surface<D>>;
@@ -172,6 +173,57 @@ pub fn node_normals<const D: usize>(
         .collect())
 }
 
+/// Outward unit normals at the nodes of sides along which their supports act, in the order of the sides: those of [`node_normals`], but
+/// one where sides go on smoothly from each other. With one normal for each of them such a node would be held in two directions, and
+/// rollers around a circle of two sides would not let it turn. It is the mean of the facets of all these sides that meet there, weighted
+/// as above; lines have bent ends.
+///
+/// Errors: an unknown or empty side.
+pub(crate) fn joined_normals<const D: usize>(
+    body: &Body<D>,
+    sides: &[&str],
+) -> Result<Vec<BTreeMap<usize, Point<D>>>, FemError> {
+    let mesh = &body.mesh;
+    let each = sides.iter().map(|side| node_normals(body, side));
+    let mut each = each.collect::<Result<Vec<_>, _>>()?;
+    let mut count: BTreeMap<usize, usize> = BTreeMap::new();
+    for node in each.iter().flat_map(BTreeMap::keys) {
+        *count.entry(*node).or_default() += 1;
+    }
+    count.retain(|_, sides| *sides > 1);
+    let mut around: BTreeMap<usize, Vec<(Point<D>, f64)>> = BTreeMap::new();
+    let mut seen = BTreeSet::new();
+    for side in sides {
+        let of_side = SideNormals::new(body, side)?;
+        for &facet in side_facets(mesh, side)? {
+            if !seen.insert(facet) {
+                continue;
+            }
+            let places = mesh.facet_kind(facet).reference_nodes();
+            let places: BTreeMap<u32, _> = mesh.facet_nodes(facet).zip(places).collect();
+            for (node, own, weight) in parts(mesh, facet) {
+                if count.contains_key(&(node as usize)) {
+                    let flat = D == 3 && of_side.at_nodes.contains_key(&facet);
+                    let normal = match flat {
+                        true => own,
+                        false => of_side.at(facet, places[&node]),
+                    };
+                    let around = around.entry(node as usize).or_default();
+                    around.push((normal, weight));
+                }
+            }
+        }
+    }
+    for (node, around) in around {
+        for normal in each.iter_mut().filter_map(|of_side| of_side.get_mut(&node)) {
+            let alike = around.iter().filter(|(n, _)| dot(*n, *normal) > SHARP);
+            let sum = alike.fold([0.0; D], |sum, (n, w)| add_scaled(sum, *w, *n));
+            *normal = unit(sum).unwrap_or(*normal);
+        }
+    }
+    Ok(each)
+}
+
 /// A line that ends at an end of a facet bends there as it does at the other end of its last edge: the normal of that, mirrored in
 /// the normal of the edge.
 fn bend_ends<const D: usize>(
@@ -189,55 +241,52 @@ fn bend_ends<const D: usize>(
     }
 }
 
-/// The parts of a facet at its nodes: edges between neighbouring nodes in the plane, corners in space; nodes of curved facets
-/// of space have the normal of the facet there.
+/// The parts of a facet at its nodes: edges between neighbouring nodes in the plane, corners of flat triangles between nodes in space.
 fn parts<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(u32, Point<D>, f64)> {
     let kind = mesh.facet_kind(facet);
     let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
     let at = |k: usize| mesh.points()[nodes[k] as usize];
-    let outward = |k: usize| unit(mesh.outward_normal(facet, &kind.reference_nodes()[k]));
     let mut parts = Vec::new();
-    if D == 2 {
-        let edges: &[[usize; 2]] = match kind {
-            CellKind::Line3 => &[[0, 2], [2, 1]],
-            _ => &[[0, 1]],
+    for &[a, b, c] in divided(kind) {
+        let corners = match D {
+            2 => vec![[a, b, c], [b, a, c]],
+            _ => vec![[a, b, c], [b, c, a], [c, a, b]],
         };
-        for &[a, b] in edges {
-            let along = sub(at(b), at(a));
-            let turned = std::array::from_fn(|i| if i == 0 { along[1] } else { -along[0] });
-            let (Some(n), Some(own)) = (unit(turned), outward(a)) else {
-                continue;
+        for [k, first, second] in corners {
+            let [first, second] = [first, second].map(|other| sub(at(other), at(k)));
+            let (across, lengths) = match D {
+                2 => (turned(first), dot(first, first)),
+                _ => (
+                    crossed(first, second),
+                    dot(first, first) * dot(second, second),
+                ),
             };
-            let n = n.map(|c| c * dot(n, own).signum());
-            parts.extend([a, b].map(|k| (nodes[k], n, 1.0 / norm(along))));
-        }
-        return parts;
-    }
-    let corners = kind.corners();
-    for (k, &node) in nodes.iter().enumerate() {
-        let Some(own) = outward(k) else { continue };
-        if nodes.len() > corners {
-            parts.push((node, own, 1.0));
-            continue;
-        }
-        let edges = [k + 1, k + corners - 1].map(|other| sub(at(other % corners), at(k)));
-        let [first, second] = edges.map(padded);
-        let across = cross(first, second);
-        let across: Point<D> = std::array::from_fn(|i| across[i]);
-        if let Some(n) = unit(across) {
-            let lengths = dot(edges[0], edges[0]) * dot(edges[1], edges[1]);
-            let n = n.map(|c| c * dot(n, own).signum());
-            parts.push((node, n, norm(across) / lengths));
+            let own = unit(mesh.outward_normal(facet, &kind.reference_nodes()[k]));
+            if let (Some(n), Some(own)) = (unit(across), own) {
+                let n = n.map(|c| c * dot(n, own).signum());
+                parts.push((nodes[k], n, norm(across) / lengths));
+            }
         }
     }
     parts
+}
+
+/// A vector of the plane turned by −90°.
+fn turned<const D: usize>(v: Point<D>) -> Point<D> {
+    std::array::from_fn(|i| if i == 0 { v[1] } else { -v[0] })
+}
+
+/// The cross product in space.
+fn crossed<const D: usize>(a: Point<D>, b: Point<D>) -> Point<D> {
+    let across = cross(padded(a), padded(b));
+    std::array::from_fn(|i| across[i])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::fem::tests::body;
-    use crate::mesh::{Cuboid, Diagonals, Rectangle};
+    use crate::mesh::{CellKind, Cuboid, Diagonals, Rectangle};
 
     #[test]
     fn lines_on_a_circle_have_its_radius_whatever_their_lengths() {
@@ -276,7 +325,13 @@ mod tests {
 
     #[test]
     fn corners_on_a_sphere_have_its_radius() {
-        for cell in [CellKind::Hex8, CellKind::Tet4] {
+        for cell in [
+            CellKind::Hex8,
+            CellKind::Tet4,
+            CellKind::Tet10,
+            CellKind::Hex20,
+            CellKind::Hex27,
+        ] {
             let cuboid = Cuboid {
                 from: [-0.5, -0.5, 1.0],
                 to: [0.5, 0.5, 1.2],
@@ -290,20 +345,14 @@ mod tests {
             let body = body(cuboid.build().unwrap().map_points(bent).unwrap());
             let normals = SideNormals::new(&body, "top").unwrap();
             let facets = body.mesh.side("top").unwrap();
-            let mut rim = BTreeMap::new();
-            for &facet in facets {
-                let mut nodes: Vec<u32> = body.mesh.facet_nodes(facet).collect();
-                nodes.rotate_left(1);
-                for (a, b) in body.mesh.facet_nodes(facet).zip(nodes) {
-                    *rim.entry([a.min(b), a.max(b)]).or_insert(0) += 1;
-                }
-            }
-            let on_rim = |node: u32| rim.iter().any(|(e, n)| *n == 1 && e.contains(&node));
+            let rim = ["left", "right", "front", "back"].iter();
+            let rim = rim.flat_map(|side| body.mesh.side_nodes(side).unwrap());
+            let rim: BTreeSet<u32> = rim.collect();
             let mut within = 0;
             for &facet in facets {
                 let xi = body.mesh.facet_kind(facet).reference_nodes();
                 for (node, xi) in body.mesh.facet_nodes(facet).zip(xi) {
-                    if !on_rim(node) {
+                    if !rim.contains(&node) {
                         let radius = unit(body.mesh.points()[node as usize]).unwrap();
                         let off = norm(sub(normals.at(facet, xi), radius));
                         assert!(off < 1e-14, "{cell:?}: {off:.1e}");

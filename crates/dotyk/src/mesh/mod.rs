@@ -50,7 +50,7 @@ pub use recipe::{Generator, Recipe};
 pub use reference::{CellKind, Domain};
 pub(crate) use shell::Segments;
 pub use sizes::{SizeField, SizePoint};
-pub(crate) use skin::{Bow, SHARP, Skin, Surrounding};
+pub(crate) use skin::{Bow, SHARP, Skin, Surrounding, divided};
 pub use strip::{Cut, Strip, StripError};
 
 use crate::geometry::{Point, Surface, determinant, distance, norm, padded, sub};

@@ -235,8 +235,8 @@ impl<const D: usize> Skin<D> {
     }
 }
 
-/// Division of the facets of a kind, by places of their nodes.
-fn divided(kind: CellKind) -> &'static [[usize; 3]] {
+/// Division of the facets of a kind into lines and triangles, by places of their nodes.
+pub(crate) fn divided(kind: CellKind) -> &'static [[usize; 3]] {
     match kind {
         CellKind::Line2 => &[[0, 1, 1]],
         CellKind::Line3 => &[[0, 2, 2], [2, 1, 1]],
