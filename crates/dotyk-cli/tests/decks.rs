@@ -500,6 +500,7 @@ const MISTAKES: &[Mistake] = &[
     ("*Node print, nset=All", "*Node print", "*Node print", "NSET=NAME is missing"),
     ("slave=Upper, master", "slave=Uper, master", "slave=Uper", "there is no surface `UPER`"),
     ("18, 0, 1, 2\n", "18, 0, 1, 2\n99999999999, 0, 0, 0\n", "99999999999", "at most ten digits"),
+    ("*Step\n", "*Step, amplitude=smooth\n", "*Step, amplitude", "known are RAMP and STEP"),
     ("*Boundary\n", "*Boundary, fixed, fixed\n", "*Boundary", "FIXED is given twice"),
     ("*Step\n", "*Equation\n2\n11, 1, 1., 12, 1\n*Step\n", "11, 1, 1., 12", "terms are a node"),
     ("*Step\n", "*Equation\n1\n11, 257, 1.\n*Step\n", "11, 257", "a degree of freedom from 1 to 6"),
@@ -633,6 +634,43 @@ fn increments_that_a_deck_asks_for_are_steps() {
         near(force, (k + 1) as f64, &format!("increment {}", k + 1));
     }
     assert_eq!(sums("stresses", 2).len(), 1);
+}
+
+/// Within steps AMPLITUDE=STEP acts in full from the first increment, and forces that OP=NEW takes away go down to zero: RF z of
+/// CalculiX. The `.frd` counts steps and their increments.
+#[test]
+fn loads_within_steps_act_as_in_calculix() {
+    for (deck, wanted) in [
+        ("amplitude-step", vec![4.0; 4]),
+        ("removed-loads", vec![4.0, 3.5, 3.0, 2.5, 2.0]),
+    ] {
+        let lifted = firsts(deck, "total force");
+        assert_eq!(lifted.len(), wanted.len(), "{deck}");
+        for (row, wanted) in lifted.iter().zip(wanted) {
+            near(row[2], wanted, deck);
+        }
+    }
+    let folder = folder("numbers", &["removed-loads.inp"]);
+    let deck = std::fs::read_to_string(own("removed-loads.inp")).unwrap();
+    let asked = deck.replacen("*NODE PRINT", "*NODE FILE, FREQUENCY=1\nU\n*NODE PRINT", 1);
+    std::fs::write(folder.join("removed-loads.inp"), asked).unwrap();
+    let run = dotyk(
+        &folder,
+        &["run", "removed-loads.inp", "--out", "out", "--quiet"],
+    );
+    assert!(run.status.success(), "{}", told(&run));
+    let frd = std::fs::read_to_string(folder.join("out/removed-loads.frd")).unwrap();
+    let heads = frd.lines().filter(|line| line.starts_with("    1PSTEP"));
+    let numbers = heads.map(|line| {
+        let words: Vec<usize> = line
+            .split_whitespace()
+            .skip(1)
+            .map(|w| w.parse().unwrap())
+            .collect();
+        [words[2], words[1]]
+    });
+    let all: Vec<[usize; 2]> = numbers.collect();
+    assert_eq!(all, [[1, 1], [2, 1], [2, 2], [2, 3], [2, 4]]);
 }
 
 #[test]

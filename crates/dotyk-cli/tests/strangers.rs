@@ -256,8 +256,12 @@ fn killed_runs_go_on_from_their_finished_steps() {
         assert_eq!(ended.status.code(), None, "{}", told(&ended));
         kills += 1;
         if folder.join("out/summary.json").exists() {
-            // killed at its very end, between putting the answer in place and removing what was kept
+            // killed at its very end, between putting the answer in place and removing what was kept, or what was there before
             let _ = fs::remove_dir_all(&kept);
+            let left = names(&folder)
+                .into_iter()
+                .filter(|name| name.starts_with(".out."));
+            left.for_each(|name| drop(fs::remove_dir_all(folder.join(name))));
             break;
         }
         if let Ok(summary) = fs::read_to_string(kept.join("summary.json")) {

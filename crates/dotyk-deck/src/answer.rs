@@ -33,11 +33,12 @@ impl Deck {
         let mesh = self.result_mesh();
         let mut steps = Vec::with_capacity(solutions.len());
         let (mut quantities, mut prints) = (Vec::new(), Vec::new());
-        for ((number, solution), own) in (1..).zip(solutions).zip(&self.deck.steps) {
+        for (solution, own) in solutions.iter().zip(&self.deck.steps) {
             let asked = &own.requests;
             let words = asked.iter().flat_map(|request| &request.quantities);
             let forces = words.clone().any(|word| word == "RF");
-            let (step, rows) = self.step((model, solution), number, forces)?;
+            let (step, rows) =
+                self.step((model, solution), [own.number[0], own.number[1]], forces)?;
             steps.push(step);
             quantities.push(frd_quantities(asked));
             prints.push(self.prints(model, solution, asked, rows)?);
@@ -144,7 +145,7 @@ impl Deck {
     fn step<const D: usize>(
         &self,
         (model, solution): (&Model<D>, &Solution<D>),
-        number: usize,
+        number: [usize; 2],
         with_forces: bool,
     ) -> Result<(Step, usize), FemError> {
         let count = self.deck.points.len();

@@ -13,8 +13,8 @@ use crate::steps::{Course, Step};
 use dotyk::model::Analysis;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Part of the largest size below which numbers count as the same.
-const SAME: f64 = 1e-9;
+/// Part of the largest size below which numbers count as the same: they may be written with six digits.
+const SAME: f64 = 2e-6;
 
 /// Part of a sum of squares that is rounding of sums of a million.
 const FLAT: f64 = 1e-10;

@@ -244,7 +244,7 @@ mod tests {
             ..Mesh::default()
         };
         let first = Step {
-            number: 1,
+            number: [1, 1],
             time: 1.0,
             displacement: vectors(&tables[0]),
             reaction: vectors(&tables[1]),
@@ -272,7 +272,7 @@ mod tests {
         displacement[10] = vectors(&tables[8])[1];
         let total: [f64; 3] = tables[7][0].clone().try_into().unwrap();
         let second = Step {
-            number: 2,
+            number: [2, 1],
             time: 2.0,
             displacement,
             reaction: [vec![total], vec![[0.0; 3]; 11]].concat(),
@@ -302,7 +302,7 @@ mod tests {
             })
             .collect();
         let step = Step {
-            number: 1,
+            number: [1, 1],
             time: 1.0,
             contact,
             ..Step::default()
@@ -335,7 +335,7 @@ mod tests {
             area: tables[4][0][0],
         };
         let step = Step {
-            number: 1,
+            number: [1, 1],
             time: 1.0,
             ..Step::default()
         };

@@ -134,8 +134,7 @@ fn write_block_head(
     step: &Step,
     nodes: usize,
 ) -> io::Result<()> {
-    let increment = 1;
-    let number = step.number;
+    let [number, increment] = step.number;
     writeln!(
         out,
         "    1PSTEP{:14}{block:12}{increment:12}{number:12}{:10}",
@@ -304,7 +303,7 @@ mod tests {
                     let time = line[12..24].trim().parse().unwrap();
                     if steps.last().is_none_or(|(step, _)| step.time != time) {
                         let step = Step {
-                            number: steps.len() + 1,
+                            number: [steps.len() + 1, 1],
                             time,
                             ..Step::default()
                         };
@@ -449,7 +448,7 @@ mod tests {
         };
         let displacement = vec![[f64::INFINITY, f64::NEG_INFINITY, 1e-300]];
         let step = Step {
-            number: 1,
+            number: [1, 1],
             time: 1.0,
             displacement,
             ..Step::default()

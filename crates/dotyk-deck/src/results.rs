@@ -60,8 +60,8 @@ pub enum Kind {
 /// A quantity that no request names may be left empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Step {
-    /// Number of the step, from 1.
-    pub number: usize,
+    /// Numbers of the step and of the increment in it, from 1.
+    pub number: [usize; 2],
     /// Total time at its end.
     pub time: f64,
     /// Displacement `[x, y, z]` of each node, in units of length.

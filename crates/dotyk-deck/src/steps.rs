@@ -150,13 +150,25 @@ impl<K: Ord + Clone> Courses<K> {
     }
 
     /// Writes down the values at a part of a step: straight from those reached before it, `started` steps, to those at its end; amplitudes
-    /// have the `factor` of the time.
+    /// have the `factor` of the time. What the step has taken away goes down to zero if it `fades`, else it is gone.
     fn within(
         &mut self,
         (step, started): (usize, usize),
-        share: f64,
+        (share, fades): (f64, bool),
         factor: impl Fn(&str) -> f64,
     ) {
+        for (_, course) in self
+            .all
+            .iter_mut()
+            .filter(|(key, _)| fades && !self.now.contains_key(key))
+        {
+            let before = started
+                .checked_sub(1)
+                .and_then(|last| *course.values.get(last)?);
+            if let Some(before) = before {
+                course.give(step, (1.0 - share) * before, false);
+            }
+        }
         let keys: Vec<K> = self.now.keys().cloned().collect();
         for key in keys {
             let before = self.reached(&key, started).unwrap_or(0.0);
@@ -191,10 +203,17 @@ fn write<K: Ord>(course: Entry<'_, K, Course>, current: &Current, (step, value):
         values: Vec::new(),
         fixed: Vec::new(),
     });
-    course.values.resize(step, None);
-    course.values.push(Some(value));
-    course.fixed.resize(step, false);
-    course.fixed.push(current.fixed);
+    course.give(step, value, current.fixed);
+}
+
+impl Course {
+    /// Gives it a value for a step, the last so far.
+    fn give(&mut self, step: usize, value: f64, fixed: bool) {
+        self.values.resize(step, None);
+        self.values.push(Some(value));
+        self.fixed.resize(step, false);
+        self.fixed.push(fixed);
+    }
 }
 
 /// Where a value comes from.
@@ -238,6 +257,8 @@ pub(crate) struct Step {
     pub nlgeom: bool,
     /// Number of the step, of the increment in it, and of all of them.
     pub number: [usize; 3],
+    /// Loads without an amplitude act in full from its beginning.
+    pub at_once: bool,
     /// Length of an increment, as *STATIC has it.
     pub increment: f64,
     /// Time at its end, and since its beginning.
@@ -920,9 +941,17 @@ impl Reader<'_> {
                 },
             );
         }
+        let at_once = match card.word("AMPLITUDE").as_deref() {
+            None | Some("RAMP") => false,
+            Some("STEP") => true,
+            Some(other) => {
+                return Err(card.fault(format!("AMPLITUDE={other}: known are RAMP and STEP")));
+            }
+        };
         self.step = Some(Step {
             place: card.place,
             nlgeom,
+            at_once,
             period: 1.0,
             ..Step::default()
         });
@@ -1046,11 +1075,12 @@ impl Reader<'_> {
             acting.temperatures.end(at, factor);
         } else {
             let (places, factor) = ((at, started), |name: &str| factor(name).0);
-            acting.held.within(places, share, factor);
-            acting.forces.within(places, share, factor);
-            acting.pressures.within(places, share, factor);
-            acting.gravity.within(places, share, factor);
-            acting.temperatures.within(places, 1.0, factor);
+            let share = if step.at_once { 1.0 } else { share };
+            acting.held.within(places, (share, false), factor);
+            acting.forces.within(places, (share, true), factor);
+            acting.pressures.within(places, (share, true), factor);
+            acting.gravity.within(places, (share, true), factor);
+            acting.temperatures.within(places, (1.0, false), factor);
         }
         for pair in &mut deck.pairs {
             let last = pair.present.last().copied().unwrap_or(true);
@@ -1355,6 +1385,15 @@ impl Reader<'_> {
         let pair = [card.get("SLAVE"), card.get("MASTER")].map(|name| name.map(folded));
         for name in pair.iter().flatten() {
             find(card, card.place, "surface", name, &self.deck.surfaces)?;
+        }
+        if let [Some(slave), Some(master)] = &pair
+            && !self
+                .deck
+                .pairs
+                .iter()
+                .any(|own| own.slave == *slave && own.master == *master)
+        {
+            return Err(card.fault(format!("there is no *CONTACT PAIR {slave}, {master} above")));
         }
         // the first request of a kind in a step takes the place of those before
         if self.asked.insert(keyword.to_string()) {

@@ -159,7 +159,10 @@ def test_a_stiffness_may_be_a_function(only):
         body.fix(point=[0, 0], x=0).load("top", pressure="1e4*(2 - x)")
         body.spring("bottom", normal=stiffness, compression_only=only)
         body.spring(point=[2, 1], y=stiffness)
-        bed = m.solve().beds["a.bottom"]
+        m.probe("p", "a.bottom.pressure", reduce="max")
+        solution = m.solve()
+        bed = solution.beds["a.bottom"]
+        assert solution.probes["p"].value == solution.probe("a.bottom.pressure", reduce="max")
         assert bed.compression_only is only and abs(bed.area - 2) < 1e-12
         found.append([bed.max_pressure, bed.closed_area, bed.max_gap, *bed.resultant])
     assert np.allclose(*found, rtol=1e-9, atol=1e-12)

@@ -687,7 +687,9 @@ class Model:
         entry = taken({key: value for key, value in values.items() if key != "self" and value is not None})
         text_of(entry.get("name"), "name")
         self._unused(kind, entry["name"])
-        bodies = [{key: value for key, value in body.items() if key in _BASE} for body in self._lists["body"]]
+        # a probe may be of a bed
+        keys = (*_BASE, "spring") if kind == "probe" else _BASE
+        bodies = [{key: value for key, value in body.items() if key in keys} for body in self._lists["body"]]
         known = _PARTS[1:] if kind == "probe" else ()
         # of other probes an expression needs the names, and whether they have values along a line
         others = self._lists["probe"] if "expression" in entry else []

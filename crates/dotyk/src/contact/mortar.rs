@@ -52,7 +52,9 @@
 use crate::contact::functions::{Basis, Cell, Cover, FUNCTIONS, Piece, cells, functions};
 use crate::contact::lever::Lever;
 use crate::contact::opposite::{Found, Opposite, shape};
-use crate::contact::relative::{Relative, axes, carried, frame, separates, tangents_along};
+use crate::contact::relative::{
+    Relative, axes, carried, frame, free_part, separates, tangents_along,
+};
 use crate::contact::search::{Hit, meet};
 use crate::contact::share::{GapAt, Share, Station, Sums};
 use crate::contact::sheets::sheets;
@@ -70,6 +72,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// A node carries no multiplier if less than this part of its support faces the other side and a neighbour is covered more.
 const SLIVER: f64 = 1e-3;
+
+/// Facets whose lengths differ by no more than this part are of the same length.
+const SAME_LENGTH: f64 = 1e-3;
 
 /// Degree of the rule over whole facets, for weights of nodes.
 const DEGREE: usize = 9;
@@ -242,22 +247,37 @@ impl<'a, const D: usize> Pairing<'a, D> {
         nearest.into_iter().map(from).collect()
     }
 
-    /// Normal and tangents at the nodes. The tangents follow an oblique direction held somewhere, so that a node and those that take
-    /// its shear have the same tangents; without one, or if other supports disagree with it, they follow the supports of the node.
+    /// Normal and tangents at the nodes. A node and those that take its shear must have the same tangents: under friction those of an
+    /// oblique direction held somewhere, in a tie those of no supports or, where these are not among them, of a direction held somewhere.
+    /// Without one, or if other supports disagree with it, they follow the supports of the node.
     fn frames(&self) -> BTreeMap<usize, [Point<D>; D]> {
         let normals = self.sides.normals.nodal();
         let normal = |node: usize| normals.get(&node).copied().unwrap_or([0.0; D]);
         let oblique =
             |&(node, _): &(usize, _)| self.relative(node, &self.looks).oblique(normal(node));
-        let common = match self.coupling {
-            Coupling::Frictional => self.places.iter().find_map(oblique),
-            _ => None,
+        let held_at = |node: usize| axes(self.sides.nonmortar.constraints.at(node), |_| true);
+        let among = |node: usize, directions: &[Point<D>]| {
+            let frame = frame(normal(node), directions);
+            Some(frame).filter(|frame| separates(frame, &held_at(node)))
+        };
+        // a direction held somewhere that is not among the tangents of no supports
+        let turned = |&(node, _): &(usize, _)| match among(node, &[]) {
+            Some(_) => None,
+            None => held_at(node)
+                .into_iter()
+                .find(|h| free_part(*h, [normal(node)]).is_some()),
+        };
+        let common: Option<Vec<Point<D>>> = match self.coupling {
+            Coupling::Frictional => self.places.iter().find_map(oblique).map(|o| vec![o]),
+            Coupling::Tied => Some(self.places.iter().find_map(turned).into_iter().collect()),
+            Coupling::Normal => None,
         };
         let frame_at = |&(node, _): &(usize, _)| {
-            let held = axes(self.sides.nonmortar.constraints.at(node), |_| true);
-            let common = common.map(|direction| frame(normal(node), &[direction]));
-            let common = common.filter(|frame| separates(frame, &held));
-            (node, common.unwrap_or_else(|| frame(normal(node), &held)))
+            let common = common.as_ref().and_then(|common| among(node, common));
+            (
+                node,
+                common.unwrap_or_else(|| frame(normal(node), &held_at(node))),
+            )
         };
         self.places.iter().map(frame_at).collect()
     }
@@ -517,9 +537,10 @@ impl<'a, const D: usize> Pairing<'a, D> {
     ) -> Components<D> {
         let covered = |node: &usize| sums.get(node).map_or(0.0, |s| s.own) / whole[node];
         let decided = |&(node, _): &(usize, Place)| {
-            let held = self.relative(node, looks);
-            let held = held.decided(self.frames[&node], self.coupling);
-            (node, held.map(|held| !held))
+            let frame = self.frames[&node];
+            let held = self.relative(node, looks).decided(frame, self.coupling);
+            let led = |c: usize| held[c] && c > 0 && self.leads((node, looks.get(&node)), frame[c]);
+            (node, std::array::from_fn(|c| !held[c] || led(c)))
         };
         let mut kept: Components<D> = self.places.iter().map(decided).collect();
         let cells: BTreeSet<usize> = stations.iter().map(|station| station.cell).collect();
@@ -802,6 +823,24 @@ impl<'a, const D: usize> Pairing<'a, D> {
             interface.mortar.push(other);
         }
         Ok(entry)
+    }
+
+    /// Whether the other side of a tie, free along an axis, has to follow a held node: without a condition of the node it would part from
+    /// it at its edge. Where its facets are larger, neighbours of the node hold it well enough, and one condition for each node would
+    /// hold more than its edge.
+    fn leads(&self, (node, place): (usize, Option<&Place>), axis: Point<D>) -> bool {
+        let Against::Side(mortar) = self.sides.against else {
+            return false;
+        };
+        if self.coupling != Coupling::Tied || self.opposite_itself(node, place) {
+            return false;
+        }
+        let finer = |(facet, _): &Place| {
+            let own = self.mesh().facet_length(*facet);
+            let found = self.opposite(place)?;
+            Some(mortar.body.mesh.facet_length(found.facet) <= own * (1.0 + SAME_LENGTH))
+        };
+        place.and_then(finer).unwrap_or(false) && !self.opposite_held(place, axis, false)
     }
 
     /// Whether a node is opposite itself, as that at the tip of a slit is: it does not move relative to the other side.

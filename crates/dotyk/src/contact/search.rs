@@ -310,15 +310,21 @@ impl<'a, const D: usize> Boundary<'a, D> {
         through.unwrap_or(f64::INFINITY)
     }
 
-    /// Whether the body goes on behind a place on a line.
-    fn goes_on_behind(&self, line: Line<D>, distance: f64, rounding: f64) -> bool {
-        let way = [distance + rounding, f64::INFINITY];
-        let met = self
+    /// Whether the body is twice at a place on a line: on its way to infinity the line leaves it twice more than it enters it. Facets that
+    /// meet at a place of the line count once.
+    fn is_twice(&self, line: Line<D>, distance: f64, rounding: f64) -> bool {
+        let way = [distance, f64::INFINITY];
+        let mut met = self
             .screen()
-            .meets(line, way, |cosine| cosine.abs() > ALONG)
-            .into_iter();
-        let next = met.min_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
-        next.is_some_and(|(_, cosine)| cosine > 0.0)
+            .meets(line, way, |cosine| cosine.abs() > ALONG);
+        met.sort_by(|a, b| a.0.distance.total_cmp(&b.0.distance));
+        let times = |leaves: bool| {
+            let met = met.iter().filter(|(_, cosine)| (*cosine > 0.0) == leaves);
+            let distances: Vec<f64> = met.map(|(hit, _)| hit.distance).collect();
+            let places = distances.chunk_by(|a, b| b - a <= rounding);
+            places.count()
+        };
+        times(true) >= times(false) + 2
     }
 
     /// Whether a line passes through it between two distances.
@@ -427,7 +433,7 @@ impl<'a, const D: usize> SideSearch<'a, D> {
             direction: line.direction.map(|c| -c),
         };
         let is_one = std::ptr::eq(self.own.mesh, self.other.mesh);
-        !is_one || self.own.goes_on_behind(back, depth, rounding)
+        !is_one || self.own.is_twice(back, 0.5 * depth, rounding)
     }
 
     /// Whether the overlap of the bodies behind the start of a line is at most [`LONGEST`] times as deep as it is wide half way there.

@@ -86,8 +86,9 @@ impl<const D: usize> Load<D> {
         }
     }
 
-    /// Its values at points of its place with their normals, as [`Self::at`] has them; what is sampled is so for all at once.
-    pub fn values(&self, places: &[(Point<D>, Point<D>)], time: f64) -> Vec<Point<D>> {
+    /// Its values at points of its place with their normals, one for each, as [`Self::at`] has them; what is sampled is so for all at
+    /// once.
+    pub(crate) fn values(&self, places: &[(Point<D>, Point<D>)], time: f64) -> Vec<Point<D>> {
         Field::prepare(self.fields(), places.iter().map(|place| place.0), time);
         let value = |&(point, normal): &(Point<D>, Point<D>)| self.at(point, normal, time);
         places.iter().map(value).collect()

@@ -5,7 +5,7 @@
 //!
 //! Both are sums of terms that may cancel: a roller across a prescribed displacement follows as Σ (a·aₖ) vₖ = 0, and a value is an
 //! expression at coordinates with rounding. So two agree if they differ by at most a part of the *terms*: those of the sum, the
-//! terms of each vₖ itself, and the largest value that a support prescribes anywhere.
+//! terms of each vₖ itself, and the largest value that a support prescribes anywhere; or by less than rounding of a length of the body.
 
 use crate::fem::error::{FemError, show};
 use crate::fem::nouns::{Analysis, Body, History, Place};
@@ -168,7 +168,8 @@ impl<const D: usize> Constraints<D> {
             });
             return Ok(());
         }
-        if (value - implied).abs() > AGREE * terms {
+        let apart = (value - implied).abs();
+        if apart > AGREE * terms && apart > f64::EPSILON * body.mesh.diameter() {
             let name = |index: Option<usize>| match index {
                 Some(index) => describe(&body.supports[index].place),
                 None => "by symmetry about the axis r = 0".to_string(),

@@ -23,7 +23,7 @@ use crate::fem::nouns::Body;
 use crate::fem::sides::side_facets;
 use crate::geometry::{Point, Surface, add_scaled, cross, dot, norm, padded, sub, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh, SHARP, divided};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// The given surface behind a side; `None`: its facets are the true surface.
 type Behind<const D: usize> = Option<Surface<D>>;
@@ -90,7 +90,15 @@ pub(crate) struct SideNormals<'a, const D: usize> {
 }
 
 /// A part of a facet at one of its nodes: the facet, its unit normal, and the weight of that.
-type Part<const D: usize> = (Facet, Point<D>, f64);
+type FacetPart<const D: usize> = (Facet, Point<D>, f64);
+
+/// A part of a facet at one of its nodes, with the others of its edge or triangle.
+struct Part<const D: usize> {
+    node: u32,
+    beside: [u32; 2],
+    normal: Point<D>,
+    weight: f64,
+}
 
 impl<'a, const D: usize> SideNormals<'a, D> {
     /// The normals of a side of a body. Errors: an unknown or empty side.
@@ -101,16 +109,14 @@ impl<'a, const D: usize> SideNormals<'a, D> {
         // a side given without a surface is its facets
         let smooth = facets.filter(|&f| surface.given(f).is_none() && mesh.curve(f).is_none());
         let smooth: Vec<Facet> = smooth.collect();
-        let mut around: BTreeMap<u32, Vec<Part<D>>> = BTreeMap::new();
+        let mut around: BTreeMap<u32, Vec<FacetPart<D>>> = BTreeMap::new();
         for &facet in &smooth {
-            for (node, normal, weight) in parts(mesh, facet) {
-                around
-                    .entry(node)
-                    .or_default()
-                    .push((facet, normal, weight));
+            for part in parts(mesh, facet) {
+                let around = around.entry(part.node).or_default();
+                around.push((facet, part.normal, part.weight));
             }
         }
-        let sum = |own: Point<D>, all: &[Part<D>]| {
+        let sum = |own: Point<D>, all: &[FacetPart<D>]| {
             let alike = all.iter().filter(|(_, n, _)| dot(*n, own) > SHARP);
             let sum = alike.fold([0.0; D], |sum, (_, n, w)| add_scaled(sum, *w, *n));
             unit(sum).unwrap_or(own)
@@ -183,52 +189,128 @@ pub(crate) fn joined_normals<const D: usize>(
     body: &Body<D>,
     sides: &[&str],
 ) -> Result<Vec<BTreeMap<usize, Point<D>>>, FemError> {
-    let mesh = &body.mesh;
     let each = sides.iter().map(|side| node_normals(body, side));
     let mut each = each.collect::<Result<Vec<_>, _>>()?;
-    let mut count: BTreeMap<usize, usize> = BTreeMap::new();
-    for node in each.iter().flat_map(BTreeMap::keys) {
-        *count.entry(*node).or_default() += 1;
-    }
-    count.retain(|_, sides| *sides > 1);
-    let mut around: BTreeMap<usize, Vec<(Point<D>, f64)>> = BTreeMap::new();
-    let mut seen = BTreeSet::new();
-    for side in sides {
+    let mut ends: BTreeMap<usize, Vec<SideEnd<D>>> = BTreeMap::new();
+    for (place, side) in sides.iter().enumerate() {
         let of_side = SideNormals::new(body, side)?;
-        for &facet in side_facets(mesh, side)? {
-            if !seen.insert(facet) {
-                continue;
-            }
-            let places = mesh.facet_kind(facet).reference_nodes();
-            let places: BTreeMap<u32, _> = mesh.facet_nodes(facet).zip(places).collect();
-            for (node, own, weight) in parts(mesh, facet) {
-                if count.contains_key(&(node as usize)) {
-                    let flat = D == 3 && of_side.at_nodes.contains_key(&facet);
-                    let normal = match flat {
-                        true => own,
-                        false => of_side.at(facet, places[&node]),
-                    };
-                    let around = around.entry(node as usize).or_default();
-                    around.push((normal, weight));
+        let is_end = |node: usize| {
+            let others = each.iter().enumerate().filter(|(other, _)| *other != place);
+            let mut normals = others.filter_map(|(_, normals)| normals.get(&node));
+            normals.any(|normal| dot(*normal, each[place][&node]) > SHARP)
+        };
+        for &facet in side_facets(&body.mesh, side)? {
+            for (node, part) in of_side.ends(facet, is_end) {
+                let ends = ends.entry(node).or_default();
+                let known = ends.iter_mut().find(|end| end.side == place);
+                match known {
+                    Some(end) => end.parts.push(part),
+                    None => ends.push(SideEnd {
+                        side: place,
+                        parts: vec![part],
+                    }),
                 }
             }
         }
     }
-    for (node, around) in around {
-        for normal in each.iter_mut().filter_map(|of_side| of_side.get_mut(&node)) {
-            let alike = around.iter().filter(|(n, _)| dot(*n, *normal) > SHARP);
-            let sum = alike.fold([0.0; D], |sum, (n, w)| add_scaled(sum, *w, *n));
-            *normal = unit(sum).unwrap_or(*normal);
+    for (node, ends) in ends {
+        for end in &ends {
+            let on = ends.iter().filter(|other| end.goes_on_to(other));
+            let mut parts: Vec<&EndPart<D>> = on.flat_map(|other| &other.parts).collect();
+            if parts.len() > end.parts.len() {
+                parts.sort_by_key(|part| part.facet);
+                parts.dedup_by_key(|part| (part.facet, part.corner));
+                let sum = parts.iter().fold([0.0; D], |sum, part| {
+                    add_scaled(sum, part.weight, part.normal)
+                });
+                let own = each[end.side].get_mut(&node);
+                own.into_iter()
+                    .for_each(|own| *own = unit(sum).unwrap_or(*own));
+            }
         }
     }
     Ok(each)
+}
+
+/// The facets of a side that meet at a node which other sides have, too.
+struct SideEnd<const D: usize> {
+    side: usize,
+    parts: Vec<EndPart<D>>,
+}
+
+/// A part of a facet there.
+struct EndPart<const D: usize> {
+    facet: Facet,
+    /// Which part of the facet.
+    corner: usize,
+    weight: f64,
+    /// The normal of the part itself, that which counts in the mean, and that of the side if it bends there as at its other nodes.
+    own: Point<D>,
+    normal: Point<D>,
+    bent: Point<D>,
+}
+
+/// Normals that differ by less are the same: coordinates with six digits.
+const SAME_NORMAL: f64 = 1e-4;
+
+/// Sides go on from each other if bending them brings their normals together by this factor: those of facets on a curve meet, those of
+/// straight sides with a kink stay apart.
+const BROUGHT_TOGETHER: f64 = 0.5;
+
+impl<const D: usize> SideEnd<D> {
+    /// Whether another side goes on smoothly from this one, or is it.
+    fn goes_on_to(&self, other: &Self) -> bool {
+        let mean = |end: &Self, of: fn(&EndPart<D>) -> Point<D>| {
+            let parts = end.parts.iter();
+            let sum = parts.fold([0.0; D], |sum, part| add_scaled(sum, part.weight, of(part)));
+            unit(sum).unwrap_or(sum)
+        };
+        let apart = |of| norm(sub(mean(self, of), mean(other, of)));
+        let [own, bent] = [apart(|part| part.own), apart(|part| part.bent)];
+        let alike = dot(mean(self, |p| p.own), mean(other, |p| p.own)) > SHARP;
+        alike && bent <= SAME_NORMAL.max(BROUGHT_TOGETHER * own)
+    }
+}
+
+impl<const D: usize> SideNormals<'_, D> {
+    /// The parts of a facet at those of its nodes that are ends of the side. In the plane lines have bent ends; in space a facet bends
+    /// as at its nodes that are no ends.
+    fn ends(&self, facet: Facet, is_end: impl Fn(usize) -> bool) -> Vec<(usize, EndPart<D>)> {
+        let mesh = self.surface.mesh;
+        let places = mesh.facet_kind(facet).reference_nodes();
+        let places: BTreeMap<u32, _> = mesh.facet_nodes(facet).zip(places).collect();
+        let curved = D == 3 && self.at_nodes.contains_key(&facet);
+        let parts = parts(mesh, facet).into_iter().enumerate();
+        let parts = parts.filter(|(_, part)| is_end(part.node as usize));
+        let end = |(corner, part): (usize, Part<D>)| {
+            let (own, at) = (part.normal, |node: u32| self.at(facet, places[&node]));
+            let inner = part.beside.iter().filter(|node| !is_end(**node as usize));
+            let mirrored = inner.fold([0.0; D], |sum, node| {
+                let n = at(*node);
+                add_scaled(add_scaled(sum, -1.0, n), 2.0 * dot(n, own), own)
+            });
+            let of_end = EndPart {
+                facet,
+                corner,
+                weight: part.weight,
+                own,
+                normal: if curved { own } else { at(part.node) },
+                bent: match curved {
+                    true => unit(mirrored).unwrap_or(own),
+                    false => at(part.node),
+                },
+            };
+            (part.node as usize, of_end)
+        };
+        parts.map(end).collect()
+    }
 }
 
 /// A line that ends at an end of a facet bends there as it does at the other end of its last edge: the normal of that, mirrored in
 /// the normal of the edge.
 fn bend_ends<const D: usize>(
     nodes: &[u32],
-    around: &BTreeMap<u32, Vec<Part<D>>>,
+    around: &BTreeMap<u32, Vec<FacetPart<D>>>,
     normals: &mut [Point<D>; MAX_FACET_NODES],
 ) {
     let middle = nodes.get(2).map(|_| 2);
@@ -242,7 +324,7 @@ fn bend_ends<const D: usize>(
 }
 
 /// The parts of a facet at its nodes: edges between neighbouring nodes in the plane, corners of flat triangles between nodes in space.
-fn parts<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(u32, Point<D>, f64)> {
+fn parts<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<Part<D>> {
     let kind = mesh.facet_kind(facet);
     let nodes: Vec<u32> = mesh.facet_nodes(facet).collect();
     let at = |k: usize| mesh.points()[nodes[k] as usize];
@@ -252,8 +334,8 @@ fn parts<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(u32, Point<D>, f6
             2 => vec![[a, b, c], [b, a, c]],
             _ => vec![[a, b, c], [b, c, a], [c, a, b]],
         };
-        for [k, first, second] in corners {
-            let [first, second] = [first, second].map(|other| sub(at(other), at(k)));
+        for [k, others @ ..] in corners {
+            let [first, second] = others.map(|other| sub(at(other), at(k)));
             let (across, lengths) = match D {
                 2 => (turned(first), dot(first, first)),
                 _ => (
@@ -264,7 +346,12 @@ fn parts<const D: usize>(mesh: &Mesh<D>, facet: Facet) -> Vec<(u32, Point<D>, f6
             let own = unit(mesh.outward_normal(facet, &kind.reference_nodes()[k]));
             if let (Some(n), Some(own)) = (unit(across), own) {
                 let n = n.map(|c| c * dot(n, own).signum());
-                parts.push((nodes[k], n, norm(across) / lengths));
+                parts.push(Part {
+                    node: nodes[k],
+                    beside: others.map(|other| nodes[other]),
+                    normal: n,
+                    weight: norm(across) / lengths,
+                });
             }
         }
     }
@@ -287,6 +374,7 @@ mod tests {
     use super::*;
     use crate::fem::tests::body;
     use crate::mesh::{CellKind, Cuboid, Diagonals, Rectangle};
+    use std::collections::BTreeSet;
 
     #[test]
     fn lines_on_a_circle_have_its_radius_whatever_their_lengths() {
@@ -319,6 +407,84 @@ mod tests {
             let normals = SideNormals::new(&body, "left").unwrap();
             for &facet in body.mesh.side("left").unwrap() {
                 assert!(norm(sub(normals.at(facet, &[-1.0]), [0.0, -1.0])) < 1e-14);
+            }
+        }
+    }
+
+    /// The normals of the two halves of the top of a body at a node that both have.
+    fn at_the_joint<const D: usize>(
+        body: &Body<D>,
+        at: impl Fn(Point<D>) -> bool,
+    ) -> [Point<D>; 2] {
+        let normals = joined_normals(body, &["west", "east"]).unwrap();
+        let on = |node: &&usize| normals[1].contains_key(*node) && at(body.mesh.points()[**node]);
+        let node = *normals[0].keys().find(on).unwrap();
+        [normals[0][&node], normals[1][&node]]
+    }
+
+    #[test]
+    fn sides_that_go_on_from_each_other_have_one_normal_and_a_kink_has_two() {
+        let top = |r: f64| (r - 1.5).abs() < 1e-9;
+        let cells = [
+            CellKind::Hex8,
+            CellKind::Tet4,
+            CellKind::Tet10,
+            CellKind::Hex20,
+        ];
+        let flat = [CellKind::Quad4, CellKind::Tri6];
+        for (kink, turn) in [(0.0, 1.0), (0.05, 0.0), (0.4, 0.0)] {
+            let check = |normals: [Point<3>; 2], cell: CellKind| {
+                let apart = norm(sub(normals[0], normals[1]));
+                let right = 2.0 * f64::sin(f64::atan(kink));
+                assert!(
+                    (apart - right).abs() < 1e-12,
+                    "{cell:?} {kink}: {apart} {right}"
+                );
+                if kink == 0.0 {
+                    let off = norm(sub(normals[0], [0.0, 1.0, 0.0]));
+                    assert!(off < 1e-12, "{cell:?}: {off:.1e}");
+                }
+            };
+            // a ring from angles, or a roof
+            let bent = |x: f64, r: f64| match turn {
+                0.0 => [x, r - kink * x.abs()],
+                _ => [r * x.sin(), r * x.cos()],
+            };
+            let halves =
+                |x: f64, r: f64, west: bool| top(r) && if west { x < 1e-9 } else { x > -1e-9 };
+            for cell in cells {
+                let cuboid = Cuboid {
+                    from: [-1.0, 1.0, 0.0],
+                    to: [1.2, 1.5, 1.0],
+                    cells: [11, 1, 3],
+                    cell,
+                };
+                let mesh = cuboid.build().unwrap();
+                let mesh = mesh
+                    .with_side("west", |[x, r, _]| halves(x, r, true))
+                    .with_side("east", |[x, r, _]| halves(x, r, false));
+                let mesh = mesh.map_points(|[x, r, z]| {
+                    let [x, y] = bent(x, r);
+                    [x, y, z]
+                });
+                let inside = |[_, _, z]: Point<3>| z > 0.1 && z < 0.9;
+                check(at_the_joint(&body(mesh.unwrap()), inside), cell);
+            }
+            for cell in flat {
+                let rectangle = Rectangle {
+                    from: [-1.0, 1.0],
+                    to: [1.2, 1.5],
+                    cells: [11, 1],
+                    cell,
+                    diagonals: Diagonals::default(),
+                };
+                let mesh = rectangle.build().unwrap();
+                let mesh = mesh
+                    .with_side("west", |[x, r]| halves(x, r, true))
+                    .with_side("east", |[x, r]| halves(x, r, false));
+                let mesh = mesh.map_points(|[x, r]| bent(x, r)).unwrap();
+                let normals = at_the_joint(&body(mesh), |_| true);
+                check(normals.map(|[x, y]| [x, y, 0.0]), cell);
             }
         }
     }

@@ -1154,7 +1154,8 @@ fn supports_that_agree_are_one_and_others_are_a_contradiction() {
         (0, "on side \"left\"", "at point (1, 0)")
     );
     assert_eq!((a, b), (2.0, 2.0 * (1.0 + 1.1e-9)));
-    assert!(apart(0.0, 1e-30).is_some() && apart(0.0, 0.0).is_none());
+    // what differs by rounding of a length of the body is the same
+    assert!(apart(0.0, 1e-12).is_some() && apart(0.0, 1e-17).is_none());
     assert!(apart(2.0, -2.0).is_some());
     assert!(new(vec![]).unwrap().at(0).is_empty());
 }

@@ -1,6 +1,6 @@
 //! Sparse Cholesky factorisation PAPᵀ = LLᵀ of a symmetric positive definite matrix, with a trailing block.
 //!
-//! The elimination order lists the dofs that take part, the contact dofs last. With A split into inner (i) and
+//! The elimination order lists the dofs that take part, those of a long contact last. With A split into inner (i) and
 //! trailing (c) dofs, the trailing block L_cc of the factor is the Cholesky factor of the Schur complement
 //!
 //! ```text
@@ -35,7 +35,7 @@ use faer::{Conj, Mat, MatMut, Par};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-const NO_COLUMN: u32 = u32::MAX;
+pub(super) const NO_COLUMN: u32 = u32::MAX;
 
 /// Right-hand sides solved together by one task: enough to reuse each entry of L, few enough for the cache.
 const COLUMNS_PER_TASK: usize = 16;
@@ -452,7 +452,21 @@ impl Cholesky {
         block
     }
 
-    fn view(&self) -> SupernodalLltRef<'_, u32, f64> {
+    /// The supernodes.
+    pub(super) fn symbolic(&self) -> &SymbolicSupernodalCholesky<u32> {
+        &self.structure.symbolic
+    }
+
+    /// Place of each dof in the order, [`NO_COLUMN`] where it is not listed.
+    pub(super) fn places(&self) -> Vec<u32> {
+        let mut place = vec![NO_COLUMN; self.structure.dofs];
+        for (k, &dof) in self.structure.order.iter().enumerate() {
+            place[dof as usize] = k as u32;
+        }
+        place
+    }
+
+    pub(super) fn view(&self) -> SupernodalLltRef<'_, u32, f64> {
         SupernodalLltRef::new(&self.structure.symbolic, &self.values)
     }
 

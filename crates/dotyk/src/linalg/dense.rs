@@ -68,7 +68,7 @@ pub fn gram(a: &Mat<f64>) -> Mat<f64> {
 }
 
 /// Copies the lower triangle to the upper one, tile by tile to stay in the cache.
-fn mirror_lower(a: &mut Mat<f64>) {
+pub(super) fn mirror_lower(a: &mut Mat<f64>) {
     const TILE: usize = 32;
     let n = a.ncols();
     for j0 in (0..n).step_by(TILE) {

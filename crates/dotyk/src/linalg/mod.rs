@@ -1,8 +1,8 @@
 //! Sparse matrices, orderings and factorisations; the only module that names the linear-algebra library.
 //!
 //! A body's stiffness is gathered from its cell matrices ([`assemble_blocks`] on a [`Graph`]), its nodes are
-//! ordered ([`fill_reducing_order`]), and it is factored once ([`SymbolicCholesky`], [`Cholesky`]) with the contact dofs
-//! last, so that the trailing block of the factor is the factor of the stiffness seen from the contact.
+//! ordered ([`fill_reducing_order`]), and it is factored once ([`SymbolicCholesky`], [`Cholesky`]); with
+//! the contact dofs last the trailing block of the factor is the factor of the stiffness seen from the contact.
 //! The dense functions serve the small problems on the contact. Public are the parts needed to assemble, factor and condense a
 //! body elsewhere: matrices, orderings, factors and the products of dense matrices; not the decompositions of dense matrices.
 //!
@@ -22,6 +22,7 @@ mod fronts;
 mod glued;
 mod gram;
 mod order;
+mod reached;
 pub(crate) mod signed;
 mod sparse;
 mod sparse_lu;

@@ -1,7 +1,9 @@
 //! The certificate sees what was dropped, prescribed or moved: each problem here was once certified and wrong.
 
 use dotyk::case::Case;
-use dotyk::mesh::{CellBlock, CellKind, Extrude, Facet, Mesh, Path as Along};
+use dotyk::mesh::{
+    CellBlock, CellKind, Cuboid, Diagonals, Extrude, Facet, Mesh, Path as Along, Rectangle,
+};
 use dotyk::model::{ContactNode, Elastic, Error, Law, Model, Objection, Place, Solution, Status};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -945,6 +947,174 @@ fn bears_to_its_tip<const D: usize>(
             let force = solution.contacts[0].resultant[1].abs();
             assert!((force - right).abs() < 1e-10, "{sides:?} {law:?}: {force}");
         }
+    }
+}
+
+/// What lies behind a closed slit is no partner of the far side of the body.
+#[test]
+fn the_far_side_of_a_body_does_not_face_a_slit_in_it() {
+    let mesh = slit([4, 4]);
+    let both = ["lower", "bottom"].map(|side| mesh.side(side).unwrap());
+    let both = BTreeMap::from([("both".to_string(), both.concat())]);
+    let mesh = Arc::new(mesh.with_sides(both).unwrap());
+    let pressures = ["lower", "both"].map(|side| {
+        let mut model = Model::new();
+        let elastic = Elastic {
+            young: 100.0,
+            poisson: 0.3,
+        };
+        let body = model.body("a", mesh.clone(), elastic);
+        model.fix(body, "left", [Some(0.0), None]);
+        model.pin(body, [2.0, -1.0], [None, Some(0.0)]);
+        model.press(body, "top", 0.1);
+        model.press(body, "bottom", 0.1);
+        model.contact((body, side), (body, "upper"));
+        let solution = model.solve().unwrap();
+        let nodes = &solution.contacts[0].nodes;
+        nodes
+            .iter()
+            .fold(0.0f64, |most, node| most.max(node.pressure))
+    });
+    assert!((pressures[0] - 0.1).abs() < 1e-9, "{pressures:?}");
+    assert!((pressures[1] - pressures[0]).abs() < 1e-9, "{pressures:?}");
+}
+
+/// Two tied blocks on rollers in x and y, drawn turned about z, the lower one held at the edges of its tied side.
+fn tied_blocks(turned: f64, traction: [f64; 2], [own, other]: [usize; 2]) -> [f64; 3] {
+    let turn = |[x, y, z]: [f64; 3]| {
+        let (sin, cos) = turned.sin_cos();
+        [x * cos - y * sin, x * sin + y * cos, z]
+    };
+    let block = |from: f64, cells: usize| {
+        let cuboid = Cuboid {
+            from: [0.0, 0.0, from],
+            to: [2.0, 2.0, from + 1.0],
+            cells: [cells, cells, 2],
+            cell: CellKind::Hex8,
+        };
+        cuboid.build().unwrap().map_points(turn).unwrap()
+    };
+    let elastic = |young: f64| Elastic {
+        young,
+        poisson: 0.3,
+    };
+    let mut model = Model::new();
+    let lower = model.body("lower", block(0.0, own), elastic(1000.0));
+    let upper = model.body("upper", block(1.0, other), elastic(3000.0));
+    model.fix(lower, "bottom", [None, None, Some(0.0)]);
+    model.roller(lower, "left", 0.0);
+    model.roller(lower, "front", 0.0);
+    let [x, y] = traction;
+    model.pull(upper, "top", turn([x, y, -1.0]));
+    model.contact((lower, "top"), (upper, "bottom")).law = Law::Tied;
+    let solution = model.solve().unwrap();
+    let displacement = &solution.bodies[1].displacement;
+    // of the corner that no axis is near
+    let [x, y, z] = *displacement.last().unwrap();
+    let (sin, cos) = turned.sin_cos();
+    [x * cos + y * sin, y * cos - x * sin, z]
+}
+
+/// The blocks are alike in x and y.
+#[test]
+fn a_tie_beside_held_edges_does_not_know_the_axes() {
+    // nodes that lie on each other are held by pairs
+    let right = tied_blocks(0.0, [0.3, 0.2], [4, 4]);
+    for cells in [[3, 4], [4, 3], [3, 6], [6, 3], [8, 3]] {
+        let [x, y, z] = tied_blocks(0.0, [0.3, 0.2], cells);
+        // where the other side's facets are larger it may part from the edge between its nodes
+        for (found, right) in [x, y, z].iter().zip(right) {
+            let off = (found / right - 1.0).abs();
+            assert!(
+                cells[1] < cells[0] || off < 0.03,
+                "{cells:?}: {found} {right}"
+            );
+        }
+        for (found, what) in [
+            (tied_blocks(0.0, [0.2, 0.3], cells), [y, x, z]),
+            (tied_blocks(0.5, [0.3, 0.2], cells), [x, y, z]),
+            (tied_blocks(2.0, [0.2, 0.3], cells), [y, x, z]),
+        ] {
+            for (found, right) in found.iter().zip(what) {
+                assert!((found - right).abs() < 1e-9, "{cells:?}: {found} {right}");
+            }
+        }
+    }
+}
+
+/// Two tied blocks between the same rollers, turned: their supports agree, though each is the sum of parts of which some are rounding.
+#[test]
+fn ties_on_the_same_turned_rollers_agree() {
+    for turned in [0.1, 0.3, 0.7, 1.3, 2.2, 2.9] {
+        let turn = |[x, y]: [f64; 2]| {
+            let (sin, cos) = f64::sin_cos(turned);
+            [x * cos - y * sin, x * sin + y * cos]
+        };
+        let block = |from: f64, cells: usize| {
+            let rectangle = Rectangle {
+                from: [from, 0.0],
+                to: [from + 1.0, 1.0],
+                cells: [1, cells],
+                cell: CellKind::Quad4,
+                diagonals: Diagonals::default(),
+            };
+            rectangle.build().unwrap().map_points(turn).unwrap()
+        };
+        let elastic = Elastic {
+            young: 1000.0,
+            poisson: 0.3,
+        };
+        let mut model = Model::new();
+        let bodies = [("a", 0.0, 1), ("b", 1.0, 2)].map(|(name, from, cells)| {
+            let body = model.body(name, block(from, cells), elastic);
+            model.roller(body, "bottom", -0.01);
+            model.roller(body, "top", 0.0);
+            body
+        });
+        model.roller(bodies[0], "left", 0.0);
+        model.contact((bodies[0], "right"), (bodies[1], "left")).law = Law::Tied;
+        let solution = model
+            .solve()
+            .unwrap_or_else(|error| panic!("{turned}: {error}"));
+        assert!(solution.certificate.penetration.value < 1e-12);
+    }
+}
+
+/// A gasket between hexahedra of 20 nodes, whose middle nodes carry no multipliers, may close there, too.
+#[test]
+fn a_gasket_closes_between_the_corners_of_facets() {
+    for cell in ["hex8", "hex20", "hex27", "tet10"] {
+        let block = |name: &str, from: f64, extra: &str| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nmesh = {{ box = {{ from = [0, 0, {from}], to = [4, 0.5, {}], cells = [4, 1, 1], cell = \"{cell}\" }} }}\n\
+                 material = {{ young = 1e4, poisson = 0.3 }}\n{extra}\n",
+                from + 1.0
+            )
+        };
+        let text = format!(
+            "analysis = \"3d\"\n{}{}[[contact]]\nname = \"c\"\nnonmortar = \"up.bottom\"\nmortar = \"lo.top\"\n\
+             gasket = {{ closure = [0, 0.002], pressure = [0, 1] }}\n",
+            block(
+                "lo",
+                0.0,
+                "fix = [{ side = \"bottom\", x = 0, y = 0, z = 0 }]"
+            ),
+            block(
+                "up",
+                1.0,
+                "fix = [{ side = \"left\", x = 0 }, { side = \"front\", y = 0 }]\nload = [{ side = \"top\", pressure = 1 }]"
+            ),
+        );
+        let case = Case::<3>::from_str(&text, "case.toml", Path::new(".")).unwrap();
+        let solution = case
+            .model
+            .solve()
+            .unwrap_or_else(|error| panic!("{cell}: {error}"));
+        assert!(solution.certificate.overlap.relative <= 1.0, "{cell}");
+        assert!(
+            (solution.contacts[0].resultant[2] - 2.0).abs() < 1e-9,
+            "{cell}"
+        );
     }
 }
 

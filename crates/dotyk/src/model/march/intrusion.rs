@@ -160,6 +160,8 @@ struct Named<'a, const D: usize> {
     resolved: BTreeMap<usize, f64>,
     /// Closure of a gasket at nodes of the nonmortar side.
     closures: BTreeMap<usize, f64>,
+    /// The largest of them, for nodes without a multiplier.
+    closed: f64,
     /// The largest clearance, if it is given and not measured.
     given: f64,
     /// The same and the largest closure of a gasket, if there is either, and both undeformed sides, nonmortar and mortar, with their
@@ -222,6 +224,7 @@ impl<'a, const D: usize> Named<'a, D> {
             ),
             resolved: resolved(condition, &moved, lambda, |x| shape?.distance(x)),
             closures,
+            closed,
             above,
             moved,
             given,
@@ -250,6 +253,7 @@ impl<'a, const D: usize> Named<'a, D> {
             moved: moved(condition, displaced),
             resolved: BTreeMap::new(),
             closures: BTreeMap::new(),
+            closed: 0.0,
             given: passed,
             around: Some((passed, sides.map(|side| Some(around(model, skins, side))))),
             out: BTreeSet::new(),
@@ -260,7 +264,8 @@ impl<'a, const D: usize> Named<'a, D> {
     /// Allowed overlap at a node of its nonmortar side.
     fn allows(&self, node: u32) -> Option<f64> {
         let resolved = self.resolved.get(&(node as usize))?;
-        let closed = self.closures.get(&(node as usize)).copied().unwrap_or(0.0);
+        let own = self.closures.get(&(node as usize)).copied();
+        let closed = own.unwrap_or(self.closed);
         Some(BETWEEN_LIMIT * resolved + closed + self.given)
     }
 

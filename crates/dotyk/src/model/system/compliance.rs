@@ -7,6 +7,9 @@
 //!   F_b = B_c K⁺ B_cᵀ = XᵀX,  X = L_c⁻¹ B_cᵀ
 //! ```
 //!
+//! Where contacts are short beside their body, the order knows nothing of them, and X is the part of L⁻¹Bᵀ that they reach: the factor
+//! is that of the body without contact.
+//!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
 
 use crate::dual::{Compliance, Glue, Part};
@@ -70,6 +73,12 @@ pub(crate) fn is_assembled<const D: usize>(
     }
 }
 
+/// Whether most entries of an assembled F of m unknowns are zero.
+pub(crate) fn is_scattered(rows: &[Arc<BodyRows>], m: usize) -> bool {
+    let entries: usize = rows.iter().map(|rows| rows.index.len().pow(2)).sum();
+    m > FEW && entries < m * m / SCATTERED
+}
+
 /// Whether F of m unknowns is cheaper to assemble than to apply, by the factors of the bodies without contacts last.
 pub(crate) fn pays(m: usize, ordered: &[Arc<Ordered>]) -> bool {
     let entries: usize = ordered.iter().map(|o| o.stored()).sum();
@@ -100,9 +109,9 @@ pub(crate) fn compliance<const D: usize>(
         .into_par_iter()
         .map(|(b, f, o)| boundary_compliance(b, f, o))
         .collect();
-    let entries: usize = blocks.iter().map(|block| block.nrows().pow(2)).sum();
-    if m > FEW && entries < m * m / SCATTERED {
-        let mut triplets = Vec::with_capacity(entries);
+    let rows: Vec<Arc<BodyRows>> = bodies.iter().map(|body| Arc::clone(&body.rows)).collect();
+    if is_scattered(&rows, m) {
+        let mut triplets = Vec::new();
         for (body, block) in bodies.iter().zip(&blocks) {
             let index = &body.rows.index;
             for (j, &column) in index.iter().enumerate() {
@@ -133,6 +142,13 @@ fn boundary_compliance<const D: usize>(
     factored: &FactoredBody,
     ordered: &Ordered,
 ) -> Mat<f64> {
+    if ordered.trailing.is_empty() {
+        let dofs = body.system.load.len();
+        let all = &body.rows;
+        let row = |local: usize| SparseVector::sum(dofs, all.matrix.row(local).collect());
+        let rows: Vec<SparseVector> = (0..all.index.len()).map(row).collect();
+        return factored.factor.compliance(&rows);
+    }
     let rows = boundary_rows(body, ordered);
     let mut x = Mat::<f64>::zeros(ordered.trailing.len(), rows.len());
     for (j, row) in rows.iter().enumerate() {

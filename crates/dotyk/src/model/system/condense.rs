@@ -26,12 +26,14 @@ use crate::model::system::admissible::{admissible_set, neighbours};
 use crate::model::system::bodies::{
     BodyRows, LoadedBody, body_rows, least_softness, systems, turn_to_forces,
 };
-use crate::model::system::compliance::{Assembled, DENSE_LIMIT, compliance, is_assembled, pays};
+use crate::model::system::compliance::{
+    Assembled, DENSE_LIMIT, compliance, is_assembled, is_scattered, pays,
+};
 use crate::model::system::condition::{Condition, initial_gaps};
 use crate::model::system::conditions::all_conditions;
 use crate::model::system::domains::{coupled, whole};
 use crate::model::system::drive::{complete, driven};
-use crate::model::system::factor::{FactoredBody, Inverse, Ordered, factor, order};
+use crate::model::system::factor::{FactoredBody, Inverse, Last, Ordered, factor, order};
 use crate::model::system::floating::Floating;
 use crate::model::system::joints::restore;
 use crate::model::system::key::{same_conditions, same_stiffness};
@@ -331,23 +333,22 @@ struct OfBodies<'a, const D: usize> {
 }
 
 impl<const D: usize> OfBodies<'_, D> {
-    /// The order of a body: the previous one if it fits.
+    /// The order of a body: the previous one, or one that is `known`, if it fits.
     fn order(
         &self,
         model: &Model<D>,
-        body: usize,
-        (dense, pieces): (bool, Option<Count>),
+        (body, known): (usize, Option<&Arc<Ordered>>),
+        (last, pieces): (Last, Option<Count>),
     ) -> Result<Arc<Ordered>, Error<D>> {
         let (system, rows) = (&self.systems[body], &self.rows[body]);
         let lasting = &self.lasting[body];
-        match self.kept.get(body) {
-            Some(Some((ordered, _)))
-                if ordered.serves(system, rows, lasting, (dense, pieces.is_some())) =>
-            {
-                Ok(Arc::clone(ordered))
-            }
-            _ => {
-                let how = (dense, pieces);
+        let kept = self.kept.get(body).and_then(Option::as_ref);
+        let mut before = kept.map(|(ordered, _)| ordered).into_iter().chain(known);
+        let how = (last, pieces.is_some());
+        match before.find(|ordered| ordered.serves(system, rows, lasting, how)) {
+            Some(ordered) => Ok(Arc::clone(ordered)),
+            None => {
+                let how = (last, pieces);
                 Ok(Arc::new(order(model, body, system, (rows, lasting), how)?))
             }
         }
@@ -441,11 +442,17 @@ fn ordered_in<const D: usize>(
     let m = conditions.iter().map(|p| p.interface.nonmortar.len()).sum();
     let rough = rough(conditions);
     let few_products = matches!(model.solver.method, Method::Auto | Method::Newton);
-    let all = |dense| {
+    let all = |dense: bool, known: &[Arc<Ordered>]| {
+        let last = match dense {
+            false => Last::Nothing,
+            true if is_scattered(of.rows, m) => Last::Contacts,
+            true => Last::LongContacts,
+        };
         let each = (0..of.systems.len()).into_par_iter();
-        in_order(
-            each.map(|body| of.order(model, body, (dense, pieces.get(body).copied().flatten()))),
-        )
+        in_order(each.map(|body| {
+            let how = (last, pieces.get(body).copied().flatten());
+            of.order(model, (body, known.get(body)), how)
+        }))
     };
     let fits = |ordered: &[Arc<Ordered>], dense| {
         let each = of.systems.iter().zip(of.rows).zip(ordered);
@@ -468,9 +475,9 @@ fn ordered_in<const D: usize>(
         false => is_assembled::<D>(of.rows, m, (dense_limit, rough, few_products)),
     };
     let dense = assembled == Assembled::Always;
-    let orders = all(dense)?;
+    let orders = all(dense, &[])?;
     if assembled == Assembled::IfCheaper && pays(m, &orders) {
-        let last = all(true)?;
+        let last = all(true, &orders)?;
         if fits(&last, true).is_ok() {
             return Ok(Orders {
                 ordered: last,

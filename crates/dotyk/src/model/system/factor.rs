@@ -1,4 +1,4 @@
-//! One factorisation per body, contact dofs last.
+//! One factorisation per body, the dofs of long contacts last.
 //!
 //! A floating body is held for the factorisation at r dofs away from its contacts, chosen by pivoting on R. Which ones
 //! does not change the answer: a different choice changes F by Gᵀ(..) + (..)G only, which Gλ = e and α absorb.
@@ -6,7 +6,8 @@
 use crate::fem::{self, BodySystem, FemError, show};
 use crate::host::{share, team};
 use crate::linalg::{
-    Cholesky, Divided, Glued, LinalgError, Mat, SymbolicCholesky, analyse, ground, some_of_node,
+    Cholesky, Divided, Glued, LinalgError, Mat, SparseVector, SymbolicCholesky, analyse, ground,
+    some_of_node,
 };
 use crate::mesh::Count;
 use crate::model::nouns::error::Error;
@@ -21,7 +22,7 @@ use std::sync::atomic::Ordering;
 /// Elimination order of one body, with its symbolic analysis.
 pub(crate) struct Ordered {
     analysis: Analysis,
-    /// Contact dofs, the last ones of the order.
+    /// Contact dofs that are the last ones of the order; none where contacts are short, or F is applied.
     pub trailing: Vec<usize>,
     /// Dofs that hold the free rigid modes.
     pub grounded: Vec<usize>,
@@ -81,6 +82,14 @@ impl Inverse {
     /// Solutions with every piece so far, of a body that is divided.
     pub fn iterations(&self) -> usize {
         self.glued().map_or(0, Glued::iterations)
+    }
+
+    /// BK⁺Bᵀ of rows over all dofs, of a body that is whole.
+    pub fn compliance(&self, rows: &[SparseVector]) -> Mat<f64> {
+        match self {
+            Self::Whole(factor) => factor.compliance(rows),
+            Self::Pieces(_) => Mat::zeros(0, 0),
+        }
     }
 
     /// The factor of its boundary stiffness, of a body with contact dofs ordered last.
@@ -152,6 +161,21 @@ impl FactoredBody {
     }
 }
 
+/// Which dofs of a body are ordered last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Last {
+    /// None: F is applied.
+    Nothing,
+    /// Those of contacts, of bodies that have less than [`SHORT`] times as many: F is assembled, of other bodies from what rows reach.
+    LongContacts,
+    /// Those of contacts: F is assembled, and the stiffness of boundaries is needed.
+    Contacts,
+}
+
+/// Contacts of bodies with at least so many times as many dofs are short. Without their dofs last the factor of ground around a tunnel
+/// takes 20 to 30 % less time, its order 10 to 20 %, and that of blocks in space 25 to 30 %, ten times what it takes more to assemble F.
+const SHORT: usize = 10;
+
 /// The dofs of a body that contacts touch.
 struct Touched {
     /// By a row.
@@ -177,14 +201,15 @@ impl Touched {
     }
 
     /// The kept dofs that are ordered last.
-    fn trailing<const D: usize>(&self, keep: &[bool], dense: bool) -> Vec<usize> {
+    fn trailing<const D: usize>(&self, keep: &[bool], last: Last) -> Vec<usize> {
         // in the plane, where contacts are short, nodes stay whole
         let is_last = |dof: usize| self.dofs[dof] || D == 2 && self.nodes[dof / D];
-        match dense {
-            true => (0..keep.len())
-                .filter(|&dof| keep[dof] && is_last(dof))
-                .collect(),
-            false => Vec::new(),
+        let dofs = (0..keep.len()).filter(|&dof| keep[dof] && is_last(dof));
+        let dofs: Vec<usize> = dofs.collect();
+        match last {
+            Last::Contacts => dofs,
+            Last::LongContacts if keep.len() < SHORT * dofs.len() => dofs,
+            _ => Vec::new(),
         }
     }
 }
@@ -203,27 +228,27 @@ impl Ordered {
         system: &BodySystem<D>,
         rows: &BodyRows,
         lasting: &[usize],
-        (dense, divided): (bool, bool),
+        (last, divided): (Last, bool),
     ) -> bool {
         let keep = kept_dofs(system, &self.grounded);
         let touched = Touched::by(system, rows, lasting);
         let apart = self.grounded.iter().all(|&dof| !touched.dofs[dof]);
         let fits = match self.divided() {
             Some(own) => divided && own.is_touched_at(&touched.dofs),
-            None => !divided && touched.trailing::<D>(&keep, dense) == self.trailing,
+            None => !divided && touched.trailing::<D>(&keep, last) == self.trailing,
         };
         apart && fits && self.turned == system.frames.len()
     }
 }
 
-/// Orders a body: free dofs, those of the contacts last (when F is assembled), grounded dofs left out; `lasting` are nodes
+/// Orders a body: free dofs, some of those of the contacts last, grounded dofs left out; `lasting` are nodes
 /// that contacts of other stages touch.
 pub(crate) fn order<const D: usize>(
     model: &Model<D>,
     body: usize,
     system: &BodySystem<D>,
     (rows, lasting): (&BodyRows, &[usize]),
-    (dense, pieces): (bool, Option<Count>),
+    (last, pieces): (Last, Option<Count>),
 ) -> Result<Ordered, Error<D>> {
     let touched = Touched::by(system, rows, lasting);
     let keep = kept_dofs(system, &[]);
@@ -231,7 +256,12 @@ pub(crate) fn order<const D: usize>(
     let away: Vec<bool> = (0..keep.len()).map(away).collect();
     let grounded = ground(&system.modes, &keep, &away);
     let keep = kept_dofs(system, &grounded);
-    let trailing = touched.trailing::<D>(&keep, dense && pieces.is_none());
+    let last = if pieces.is_some() {
+        Last::Nothing
+    } else {
+        last
+    };
+    let trailing = touched.trailing::<D>(&keep, last);
     let fail = |source| singular(model, body, source);
     let analysis = match model.bodies.get(body).zip(pieces) {
         Some((own, count)) => {

@@ -98,7 +98,8 @@ fn value_along<const D: usize>(held: &[Held<D>], axis: Point<D>) -> Option<Along
         let part = dot(axis, own.axis);
         rest = add_scaled(rest, -part, own.axis);
         value += part * own.value;
-        terms += part.abs() * own.terms;
+        // of parts that are rounding, too
+        terms = f64::max(terms, own.terms.max(own.value.abs()));
     }
     (norm(rest) <= HELD).then_some((value, terms))
 }
