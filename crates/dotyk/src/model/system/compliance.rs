@@ -7,7 +7,7 @@
 //!   F_b = B_c K⁺ B_cᵀ = XᵀX,  X = L_c⁻¹ B_cᵀ
 //! ```
 //!
-//! Where contacts are short beside their body, the order knows nothing of them, and X is the part of L⁻¹Bᵀ that they reach: the factor
+//! Where contacts of the plane are short beside their body, the order knows nothing of them, and X is the part of L⁻¹Bᵀ that they reach: the factor
 //! is that of the body without contact.
 //!
 //! Source: Janovský & Procházka (1980) III, section 7, (7.5)–(7.9).
