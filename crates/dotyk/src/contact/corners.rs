@@ -7,14 +7,20 @@
 //! 45° the distances along their normals would let it go twice as far. A corner has every normal of the cone that its faces span, and
 //! meets an obstacle along the one nearest to the direction to the obstacle. If that is not the normal of a face, the faces have one
 //! common condition.
+//!
+//! So does a corner that meets another side, or a tool: in front of an inclined face the corner of a block leans ([`leaning`]) from the
+//! normal of its own face to the direction of that one's. The faces of the corner have one condition if they lean to the same place, and
+//! in a pocket, where they lean to different walls, one each.
 
 use crate::contact::curved::true_surface;
-use crate::contact::normals::Normals;
+use crate::contact::normals::{Normals, ends};
 use crate::contact::obstacle::Rigid;
+use crate::contact::relative::free_part;
+use crate::contact::search::Line;
 use crate::contact::weights::{NodalWeight, nodal_weights};
 use crate::contact::{ContactError, End};
 use crate::fem::Analysis;
-use crate::geometry::{Groups, Point, dot, unit};
+use crate::geometry::{Groups, Point, add_scaled, distance, dot, unit};
 use crate::linalg::signed::least_squares_nonnegative;
 use crate::mesh::{Facet, SHARP};
 use std::collections::{BTreeMap, BTreeSet};
@@ -174,17 +180,110 @@ fn between<const D: usize>(
     faces: impl Iterator<Item = Point<D>>,
     direction: Point<D>,
 ) -> Option<Point<D>> {
+    let (nearest, faces) = nearest_in_cone(faces, direction);
+    nearest.filter(|_| faces > 1)
+}
+
+/// The direction in the cone of some normals that is nearest to a given one, and the number of those that it lies between; `None` if all
+/// are opposed to it.
+fn nearest_in_cone<const D: usize>(
+    faces: impl Iterator<Item = Point<D>>,
+    direction: Point<D>,
+) -> (Option<Point<D>>, usize) {
     let faces: Vec<Vec<f64>> = faces.map(|normal| normal.to_vec()).collect();
     let (parts, rest) = least_squares_nonnegative(&faces, &direction);
-    let several = parts.iter().filter(|&&part| part > 0.0).count() > 1;
+    let several = parts.iter().filter(|&&part| part > 0.0).count();
     let nearest = std::array::from_fn(|k| direction[k] - rest[k]);
-    unit(nearest).filter(|_| several)
+    (unit(nearest), several)
+}
+
+/// Directions that differ by less are the same.
+const SAME_DIRECTION: f64 = 1e-9;
+
+/// So many lines find the nearest place of a surface that bends away, or it is too far away to be touched.
+const LINES: usize = 30;
+
+/// The directions of nodes at the ends of a side, or of a smooth part of it, that meet the opposite between the faces of the body there:
+/// along the normal of the opposite, or that of the cone of the faces which is nearest to it. `met` gives the direction against the
+/// surface which a line from a facet meets. With a facet of the side there. What is held against it does not lean: a plane of symmetry is no face.
+///
+/// Errors: unknown or empty sides.
+pub(super) fn leaning<const D: usize>(
+    end: End<'_, D>,
+    normals: &Normals<'_, D>,
+    met: impl Fn(Facet, Line<D>) -> Option<Point<D>>,
+) -> Result<BTreeMap<usize, (Facet, Point<D>)>, ContactError> {
+    let (mesh, own) = (&end.body.mesh, end.facets()?);
+    let (ends, nodal) = (ends(mesh, own), normals.nodal());
+    let line = |node: usize, direction| Line {
+        start: mesh.points()[node],
+        direction,
+    };
+    let mut oblique: BTreeMap<usize, (Facet, Vec<Point<D>>)> = BTreeMap::new();
+    for &facet in own {
+        for node in mesh.facet_nodes(facet).filter(|node| ends.contains(node)) {
+            let node = node as usize;
+            let Some(&normal) = nodal.get(&node) else {
+                continue;
+            };
+            let met = met(facet, line(node, normal));
+            if met.is_some_and(|met| distance(met, normal) > SAME_DIRECTION) {
+                oblique.entry(node).or_insert((facet, vec![normal]));
+            }
+        }
+    }
+    if oblique.is_empty() {
+        return Ok(BTreeMap::new());
+    }
+    let faces = |side: &String| mesh.side(side).unwrap_or_default();
+    let cut = end.body.cyclic.iter().flat_map(|c| [&c.from, &c.to]);
+    let inside: BTreeSet<&Facet> = cut.flat_map(faces).chain(own).collect();
+    for facet in mesh.boundary_facets() {
+        if inside.contains(&facet) {
+            continue;
+        }
+        let places = mesh.facet_kind(facet).reference_nodes();
+        for (node, xi) in mesh.facet_nodes(facet).zip(places) {
+            if let Some((_, faces)) = oblique.get_mut(&(node as usize)) {
+                faces.extend(unit(mesh.outward_normal(facet, xi)));
+            }
+        }
+    }
+    let leans = |(node, (facet, faces)): (usize, (Facet, Vec<Point<D>>))| {
+        let held = end.constraints.at(node);
+        let normal = faces[0];
+        let (mut direction, mut last) = (normal, f64::INFINITY);
+        for _ in 0..LINES {
+            let against = met(facet, line(node, direction))?;
+            let nearest = nearest_in_cone(faces.iter().copied(), against).0?;
+            let along = dot(nearest, normal);
+            let lean = add_scaled(nearest, -along, normal);
+            let lean = free_part(lean, held.iter().map(|h| h.axis))
+                .map_or([0.0; D], |free| free.map(|c| c * dot(free, lean)));
+            let next = unit(add_scaled(lean, along, normal))?;
+            let step = distance(next, direction);
+            if step <= SAME_DIRECTION {
+                let leans = distance(next, normal) > SAME_DIRECTION;
+                return leans.then_some((node, (facet, next)));
+            }
+            // a roller of the radius R at the distance s turns the error of the direction over, s/R times as large
+            direction = match step > 0.5 * last {
+                true => unit(add_scaled(direction, 1.0, next))?,
+                false => next,
+            };
+            last = step;
+        }
+        None
+    };
+    Ok(oblique.into_iter().filter_map(leans).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::gaps::tests::{body, end, plate, ring, wall};
+    use crate::contact::gaps::tests::{body, end, held, node_at, plate, ring, wall};
+    use crate::contact::opposite::Opposite;
+    use crate::contact::{Against, InitialGap};
     use crate::fem::{Body, Constraints};
     use crate::geometry::{Surface, distance};
     use crate::mesh::{CellKind, Cuboid, Mesh};
@@ -324,5 +423,56 @@ mod tests {
         );
         let error = smooth_parts(end(&body, "nowhere", &free)).unwrap_err();
         assert!(error.to_string().contains("nowhere"), "{error}");
+    }
+
+    /// The directions in which the end of a floor's top at x = 1 meets a wall below these points, by node.
+    fn leaning_to(points: &[Point<2>], supports: &Constraints<2>) -> Vec<(usize, Point<2>)> {
+        let floor = plate([0.0, -1.0], [1.0, 0.0], [2, 2]);
+        let wall = wall(points, 9.0, CellKind::Quad4);
+        let none = Constraints::default();
+        let against = Against::Side(end(&wall, "bottom", &none));
+        let own = end(&floor, "top", supports);
+        let sides = Opposite::new(own, against, InitialGap::Measured, 0.0).unwrap();
+        let corners = sides.corners().unwrap().into_iter();
+        corners
+            .map(|(node, corner)| (node, corner.at.normal))
+            .collect()
+    }
+
+    #[test]
+    fn a_corner_leans_to_a_face_that_comes_down_beside_it() {
+        let free = Constraints::default();
+        let floor = plate([0.0, -1.0], [1.0, 0.0], [2, 2]);
+        let corner = node_at(&floor, [1.0, 0.0]);
+        // the wall comes down to the right by 0.2 for each 1, above both corners: the left one is met from inside
+        let sloping = [[-2.0, 1.0], [3.0, 0.0]];
+        let [(node, direction)] = leaning_to(&sloping, &free)[..] else {
+            panic!("one corner leans")
+        };
+        assert_eq!(node, corner);
+        assert!(distance(direction, unit([0.2, 1.0]).unwrap()) < 1e-12);
+        // a plane of symmetry is no face, and a level wall is met along the normal
+        let held = held(&[(corner, [1.0, 0.0], true)]);
+        assert!(leaning_to(&sloping, &held).is_empty());
+        assert!(leaning_to(&[[-2.0, 0.5], [3.0, 0.5]], &free).is_empty());
+    }
+
+    #[test]
+    fn in_front_of_a_bent_wall_a_corner_leans_to_the_nearest_place() {
+        // arcs about (1.5, 1.5) of several radii: the nearest place is along (1, 3) from the corner at (1, 0)
+        let arc = |radius: f64| -> Vec<Point<2>> {
+            let angles = (0..=90).map(|k| f64::to_radians(180.0 + 2.0 * f64::from(k)));
+            let at = |angle: f64| [1.5 + radius * angle.cos(), 1.5 + radius * angle.sin()];
+            angles.map(at).collect()
+        };
+        for radius in [0.55, 1.0, 1.5] {
+            let found = leaning_to(&arc(radius), &Constraints::default());
+            let [(_, direction)] = found[..] else {
+                panic!("one corner leans: {found:?}")
+            };
+            // a facet turns by 2 degrees
+            let nearest = unit([1.0, 3.0]).unwrap();
+            assert!(distance(direction, nearest) < 1e-3, "{radius}: {direction:?}");
+        }
     }
 }

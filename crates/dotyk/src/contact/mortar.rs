@@ -43,6 +43,9 @@
 //!   supports hold both sides obliquely, see `relative.rs`; rows of shear are divided by the weight of the normal row, so that
 //!   bounds on tractions are bounds on forces.
 //!
+//! **Corners** that meet the other side between the faces of their body (`corners.rs`) have rows along the direction there, which
+//! compare u_s with u_m continued rigidly, as tangential ones do, and the gap between the corner and the place that it meets.
+//!
 //! **Tangential rows** compare u_s with u_m continued rigidly from y to x by the rotation of the other facet, because forces
 //! along t at two points a distance s apart would be a couple. The tangents are those of the node, carried to n(x) by the
 //! smallest rotation.
@@ -51,7 +54,7 @@
 
 use crate::contact::functions::{Basis, Cell, Cover, FUNCTIONS, Piece, cells, functions};
 use crate::contact::lever::Lever;
-use crate::contact::opposite::{Found, Opposite, shape};
+use crate::contact::opposite::{Corner, Found, Opposite, shape};
 use crate::contact::relative::{
     Relative, axes, carried, frame, free_part, separates, tangents_along,
 };
@@ -158,7 +161,9 @@ struct Pairing<'a, const D: usize> {
     places: Vec<(usize, Place)>,
     /// Places from which nodes are projected to the other side.
     looks: BTreeMap<usize, Place>,
-    /// Normal and tangents at the nodes.
+    /// Corners that meet the other side between their faces.
+    corners: BTreeMap<usize, Corner<D>>,
+    /// Normal and tangents at the nodes; at these corners the direction in which they meet the other side.
     frames: BTreeMap<usize, [Point<D>; D]>,
     cyclic: bool,
 }
@@ -200,7 +205,13 @@ impl<'a, const D: usize> Pairing<'a, D> {
         if mesh.in_plane().is_none() {
             places.sort_unstable_by_key(|place| place.0);
         }
+        // a tie holds all directions
+        let corners = match coupling {
+            Coupling::Tied => BTreeMap::new(),
+            Coupling::Normal | Coupling::Frictional => sides.corners()?,
+        };
         let mut pairing = Self {
+            corners,
             frames: BTreeMap::new(),
             looks: BTreeMap::new(),
             sides,
@@ -251,7 +262,9 @@ impl<'a, const D: usize> Pairing<'a, D> {
     /// oblique direction held somewhere, in a tie those of no supports or, where these are not among them, of a direction held somewhere.
     /// Without one, or if other supports disagree with it, they follow the supports of the node.
     fn frames(&self) -> BTreeMap<usize, [Point<D>; D]> {
-        let normals = self.sides.normals.nodal();
+        let mut normals = self.sides.normals.nodal();
+        let corners = self.corners.iter();
+        normals.extend(corners.map(|(&node, corner)| (node, corner.at.normal)));
         let normal = |node: usize| normals.get(&node).copied().unwrap_or([0.0; D]);
         let oblique =
             |&(node, _): &(usize, _)| self.relative(node, &self.looks).oblique(normal(node));
@@ -385,6 +398,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let looks = self.looks(pieces);
         let kept = self.kept(&sums, whole, (&stations, &looks));
         let implied = self.implied();
+        let facets: BTreeSet<Facet> = pieces.iter().filter_map(|piece| piece.opposite).collect();
         let cover = Cover::new(&self.cells, pieces);
         // pieces follow the side, so the stations of a facet follow one another
         let facet = |station: &Station<D>| self.cells[station.cell].facet;
@@ -394,16 +408,16 @@ impl<'a, const D: usize> Pairing<'a, D> {
             (first - chunk.len(), chunk)
         });
         let of_facets: Vec<(usize, &[Station<D>])> = of_facets.collect();
-        let shares = of_facets
-            .par_iter()
-            .map(|&(first, stations)| self.shares(first, stations, (&kept, &implied), &cover));
+        let shares = of_facets.par_iter().map(|&(first, stations)| {
+            self.shares(first, stations, (&kept, &implied), (&cover, &facets))
+        });
         for share in in_order(shares)?.into_iter().flatten() {
             if let Some(sums) = sums.get_mut(&share.node) {
                 sums.add(share);
             }
         }
         Ok(Sheet {
-            facets: pieces.iter().filter_map(|piece| piece.opposite).collect(),
+            facets,
             unborne: self.unborne(&stations, &kept, &implied),
             sums,
             kept,
@@ -585,7 +599,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         kept
     }
 
-    /// Contributions of a facet to its nodes; its stations are those from `first` on.
+    /// Contributions of a facet to its nodes; its stations are those from `first` on, opposite facets of one sheet.
     ///
     /// Errors: a gap that is not finite.
     fn shares(
@@ -593,7 +607,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         first: usize,
         stations: &[Station<D>],
         (kept, implied): (&Components<D>, &Components<D>),
-        cover: &Cover,
+        (cover, faced): (&Cover, &BTreeSet<Facet>),
     ) -> Result<Vec<Share<D>>, ContactError> {
         let facet = self.cells[stations[0].cell].facet;
         let (kind, of_facet) = functions(self.mesh(), facet);
@@ -644,13 +658,20 @@ impl<'a, const D: usize> Pairing<'a, D> {
                             share.extent += parts[k] * station.extent;
                         }
                         let weight = psi[k] * station.area;
-                        let frame = carried(self.frames[&node], station.at.normal);
+                        let leans = self.corners.contains_key(&node);
+                        let frame = match leans {
+                            true => self.frames[&node],
+                            false => carried(self.frames[&node], station.at.normal),
+                        };
                         let kept = components.iter().filter(|&&c| kept[&node][c]);
                         for &component in kept.filter(|_| weight != 0.0) {
                             let along = (component, frame[component]);
-                            share.add(along, weight, station, lever.as_ref());
+                            let lever = lever.as_ref().filter(|_| component > 0 || leans);
+                            share.add(along, weight, station, lever);
                             if component == 0 && matches!(basis, Basis::Hats) {
-                                share.take_gap(GapAt::Station(index), weight);
+                                let corner = self.corner(node, faced);
+                                let at = corner.map(|corner| GapAt::Place(corner.at.clone()));
+                                share.take_gap(at.unwrap_or(GapAt::Station(index)), weight);
                             }
                         }
                         weights[k] += weight;
@@ -659,7 +680,10 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 }
                 for (k, node) in nodes.iter().enumerate().filter(|_| shared == 0) {
                     if let (Some(place), true) = (basis.acts_at(k), carrying[k]) {
-                        let at = self.gap_at(facet, place, stations)?;
+                        let at = match self.corner(*node, faced) {
+                            Some(corner) => corner.at.clone(),
+                            None => self.gap_at(facet, place, stations)?,
+                        };
                         let share = shares.entry(*node).or_insert_with(|| Share::new(*node));
                         share.take_gap(GapAt::Place(at), weights[k]);
                     }
@@ -667,6 +691,12 @@ impl<'a, const D: usize> Pairing<'a, D> {
             }
         }
         Ok(shares.into_values().collect())
+    }
+
+    /// A corner that meets one of some facets of the other side between its faces.
+    fn corner(&self, node: usize, faced: &BTreeSet<Facet>) -> Option<&Corner<D>> {
+        let corner = self.corners.get(&node);
+        corner.filter(|corner| faced.contains(&corner.facet))
     }
 
     /// The gap at a place of a facet to the sheet that some of its stations face, by the pairing of the nearest of these.
@@ -689,10 +719,13 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(seen.map_or_else(|| nearest.at.clone(), |(at, _)| at))
     }
 
-    /// The lever of tangential rows at a station, due to the distance between the sides; `None` without such rows.
+    /// The lever of tangential rows at a station, and of those of corners that lean, due to the distance between the sides; `None` without
+    /// such rows.
     fn lever(&self, station: &Station<D>) -> Option<Lever<D>> {
         match (self.sides.against, station.hit) {
-            (Against::Side(mortar), Some(hit)) if self.coupling != Coupling::Normal => {
+            (Against::Side(mortar), Some(hit))
+                if self.coupling != Coupling::Normal || !self.corners.is_empty() =>
+            {
                 Some(Lever::new(&mortar.body.mesh, hit, station.at.normal))
             }
             _ => None,
@@ -765,7 +798,12 @@ impl<'a, const D: usize> Pairing<'a, D> {
             rows: [None; D],
         };
         let among = |other: Facet| sheet.facets.contains(&other);
-        if let Some(found) = self.sides.at_among(facet, &xi, among)? {
+        if let Some(corner) = self.corner(node, &sheet.facets) {
+            let at = &corner.at;
+            (entry.opposite, entry.clearance) = (at.opposite.clone(), at.gap);
+            entry.shares.at_node = Some(interface.points.len());
+            interface.points.push(at.clone());
+        } else if let Some(found) = self.sides.at_among(facet, &xi, among)? {
             (entry.opposite, entry.clearance) = (found.nodes.clone(), found.gap);
             entry.shares.at_node = Some(interface.points.len());
             interface.points.push(GapPoint {
@@ -890,7 +928,7 @@ mod tests {
     use crate::contact::{Rigid, Row, pair_nodes};
     use crate::fem::quadrature;
     use crate::fem::{Body, Constraints};
-    use crate::geometry::{Field, Surface, add_scaled};
+    use crate::geometry::{Field, Surface, add_scaled, distance};
     use crate::mesh::{CellKind, Cuboid};
 
     /// The bottom of a body over a side of another, without supports.
@@ -1035,6 +1073,16 @@ mod tests {
             for ((node, x), weight) in nodes {
                 assert_eq!(node.node, node_at(&upper, [x, 0.0]));
                 assert!((node.weight - weight).abs() < 1e-13 && node.extent > 0.0);
+                if x == 4.0 {
+                    // the corner leans to the slope that rises towards it, its row with it
+                    let slope = unit([0.1, -1.0]).unwrap();
+                    assert!(distance(node.normal(), slope) < 1e-12);
+                    assert!((node.gap - 0.6 * -slope[1]).abs() < 1e-12, "{}", node.gap);
+                    let own = &interface.nonmortar[node.rows[0].unwrap()];
+                    let at = own.iter().find(|(j, _)| *j == node.node).unwrap().1;
+                    assert!(distance(at, slope) < 1e-12);
+                    continue;
+                }
                 // a mean of a linear gap is that at the node
                 assert!((node.gap - (1.0 - 0.1 * x)).abs() < 1e-12, "{}", node.gap);
                 assert!((node.clearance - (1.0 - 0.1 * x)).abs() < 1e-13);

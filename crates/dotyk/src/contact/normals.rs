@@ -4,6 +4,8 @@
 //! the mean of the facets that meet there, unless they meet at a sharp corner. At the end of a side on a plane of
 //! symmetry, in space along its rim there, the polygon's last normal is tilted by half the angle of a facet; it is turned back
 //! into that plane, but never by more than the side itself turns there. On the faces of a sector the facets beyond count, too.
+//! For the judge, a corner that meets the other side between its faces may have the direction there (`corners.rs`): facets beside it lead
+//! over to it.
 //!
 //! Source: the bisector rule and the axis direction on the axis, Janovský & Procházka (1980) III, section 7.
 
@@ -13,13 +15,15 @@ use crate::contact::{ContactError, End};
 use crate::fem::{TrueSurface, Twins};
 use crate::geometry::{Point, add_scaled, dot, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh, SHARP};
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Outward unit normals of a side.
 pub(crate) struct Normals<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     at_nodes: HashMap<Facet, [Point<D>; MAX_FACET_NODES]>,
     surface: TrueSurface<'a, D>,
+    /// Facets some of whose nodes lean.
+    leaning: HashSet<Facet>,
 }
 
 impl<'a, const D: usize> Normals<'a, D> {
@@ -61,21 +65,48 @@ impl<'a, const D: usize> Normals<'a, D> {
             mesh,
             at_nodes,
             surface,
+            leaning: HashSet::new(),
         })
+    }
+
+    /// Gives nodes other directions, which the facets around them lead over to.
+    pub fn lean(&mut self, nodes: &BTreeMap<usize, Point<D>>) {
+        let facets: Vec<Facet> = self.at_nodes.keys().copied().collect();
+        for facet in facets {
+            let kind = self.mesh.facet_kind(facet);
+            let own = self.mesh.facet_nodes(facet).zip(kind.reference_nodes());
+            let own: Vec<(Option<&Point<D>>, &[f64; 3])> = own
+                .map(|(node, xi)| (nodes.get(&(node as usize)), xi))
+                .collect();
+            if own.iter().all(|(leaning, _)| leaning.is_none()) {
+                continue;
+            }
+            let mut normals = [[0.0; D]; MAX_FACET_NODES];
+            for (normal, (leaning, xi)) in normals.iter_mut().zip(own) {
+                *normal = leaning.copied().unwrap_or_else(|| self.at(facet, xi));
+            }
+            self.at_nodes.insert(facet, normals);
+            self.leaning.insert(facet);
+        }
     }
 
     /// Normal at ξ of a facet.
     pub fn at(&self, facet: Facet, xi: &[f64]) -> Point<D> {
+        let sum = self.interpolated(facet, xi);
+        let normal = unit(sum).unwrap_or(sum);
+        match self.leaning.contains(&facet) {
+            true => normal,
+            false => self.surface.along(facet, xi, normal),
+        }
+    }
+
+    /// The sum of the normals at the nodes of a facet with their shape functions at ξ.
+    fn interpolated(&self, facet: Facet, xi: &[f64]) -> Point<D> {
         let kind = self.mesh.facet_kind(facet);
         let mut shape = [0.0; MAX_FACET_NODES];
         kind.shape(xi, &mut shape);
-        let nodal = &self.at_nodes[&facet];
-        let sum = nodal[..kind.nodes()]
-            .iter()
-            .zip(shape)
-            .fold([0.0; D], |sum, (&n, value)| add_scaled(sum, value, n));
-        let normal = unit(sum).unwrap_or(sum);
-        self.surface.along(facet, xi, normal)
+        let nodal = self.at_nodes[&facet][..kind.nodes()].iter().zip(shape);
+        nodal.fold([0.0; D], |sum, (&n, value)| add_scaled(sum, value, n))
     }
 
     /// Normals at the nodes: the mean of those of the facets that meet there.
@@ -115,6 +146,23 @@ fn with_those_of_twins<const D: usize>(
         whole.entry(twin).or_default().extend(forth);
     }
     whole
+}
+
+/// Nodes at which some facets end: in space those of the edges there, in the plane the corners of one facet alone.
+pub(super) fn ends<const D: usize>(mesh: &Mesh<D>, facets: &[Facet]) -> BTreeSet<u32> {
+    if D > 2 {
+        return rim(mesh, facets);
+    }
+    let mut ends = BTreeSet::new();
+    for &facet in facets {
+        for node in mesh.facet_nodes(facet).take(2) {
+            // the second facet of a node takes it out again
+            if !ends.insert(node) {
+                ends.remove(&node);
+            }
+        }
+    }
+    ends
 }
 
 /// Nodes on the edges at which some facets of space end; empty in the plane.

@@ -1,14 +1,15 @@
 //! The opposite of a side: the line along its contact normal, the facet that it meets, and the gap in between.
 
+use crate::contact::corners::leaning;
 use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
 use crate::contact::obstacle::{Rigid, beyond, finite_gap};
 use crate::contact::search::{Hit, Line, SideSearch};
-use crate::contact::{Against, ContactError, End, InitialGap};
+use crate::contact::{Against, ContactError, End, GapPoint, InitialGap};
 use crate::fem::TrueSurface;
 use crate::geometry::{Point, add_scaled};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A nonmortar side and its opposite, prepared for the search.
 pub(super) struct Opposite<'a, const D: usize> {
@@ -71,6 +72,49 @@ impl<'a, const D: usize> Opposite<'a, D> {
             search,
             common,
         })
+    }
+
+    /// Corners of the side that meet the other one between the faces of the body, by node.
+    ///
+    /// Errors: those of both sides; a gap that is not finite.
+    pub fn corners(&self) -> Result<BTreeMap<usize, Corner<D>>, ContactError> {
+        let Against::Side(mortar) = self.against else {
+            return Ok(BTreeMap::new());
+        };
+        let other = Normals::new(mortar, mortar.facets()?)?;
+        let met = |facet: Facet, line: Line<D>| {
+            let hit = self.facing(facet, line)?;
+            Some(other.at(hit.facet, &hit.xi).map(|c| -c))
+        };
+        let mut corners = BTreeMap::new();
+        for (node, (facet, direction)) in leaning(self.nonmortar, &self.normals, met)? {
+            let start = self.mesh().points()[node];
+            let line = Line { start, direction };
+            let hit = self.facing(facet, line);
+            let Some(hit) = hit.filter(|_| !self.common.contains(&node)) else {
+                continue;
+            };
+            let place = hit.xi.map(|c| c.clamp(-1.0, 1.0));
+            let at = GapPoint {
+                own: vec![(node, 1.0)],
+                opposite: shape(&mortar.body.mesh, hit.facet, &place),
+                normal: direction,
+                gap: self.gap_at(facet, line, hit)?,
+            };
+            let facet = hit.facet;
+            corners.insert(node, Corner { at, facet });
+        }
+        Ok(corners)
+    }
+
+    /// With lines that lead over to the directions of these corners on the facets beside them.
+    ///
+    /// Errors: as [`Self::corners`].
+    pub fn leaning(mut self) -> Result<Self, ContactError> {
+        let corners = self.corners()?.into_iter();
+        let directions = corners.map(|(node, corner)| (node, corner.at.normal));
+        self.normals.lean(&directions.collect());
+        Ok(self)
     }
 
     pub fn mesh(&self) -> &'a Mesh<D> {
@@ -184,6 +228,14 @@ const SAME_DISTANCE: f64 = 1e-6;
 fn rise<const D: usize>(surface: &Option<TrueSurface<'_, D>>, facet: Facet, line: Line<D>) -> f64 {
     let surface = surface.as_ref().and_then(|surface| surface.at(facet));
     surface.map_or(0.0, |surface| line.along(surface.closest(line.start)))
+}
+
+/// A corner that meets the other side between the faces of its body.
+pub(super) struct Corner<const D: usize> {
+    /// It and the place that it meets, along the direction there.
+    pub at: GapPoint<D>,
+    /// The facet of that place.
+    pub facet: Facet,
 }
 
 /// A place of the other side.

@@ -35,7 +35,8 @@ pub struct Sample<const D: usize> {
     pub dent: f64,
 }
 
-/// The points of every facet of the nonmortar side with an opposite, facet by facet.
+/// The points of every facet of the nonmortar side with an opposite, facet by facet. The corners of the side lean as those of the
+/// rows do, if they do.
 ///
 /// Errors: unknown or empty sides, nodes off their true surface, a gap that is not finite.
 pub fn samples<const D: usize>(
@@ -43,8 +44,12 @@ pub fn samples<const D: usize>(
     against: Against<'_, D>,
     gap: InitialGap<'_>,
     time: f64,
+    leaning: bool,
 ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
-    let sides = Opposite::new(nonmortar, against, gap, time)?;
+    let mut sides = Opposite::new(nonmortar, against, gap, time)?;
+    if leaning {
+        sides = sides.leaning()?;
+    }
     let is_tool = matches!(against, Against::Obstacle(Rigid::Tool(_), _));
     let at = |facet: Facet, places: &[[f64; 2]]| {
         let found = places.iter();
@@ -167,7 +172,7 @@ mod tests {
         let free = Constraints::default();
         let against = Against::Side(end(&lower, "top", &free));
         let nonmortar = end(&upper, "bottom", &free);
-        let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+        let found = samples(nonmortar, against, InitialGap::Measured, 0.0, true).unwrap();
         assert_eq!(found.len(), 12);
         let modulus = 1.0 / (1.0 - 0.3 * 0.3);
         for sample in found.iter().flatten() {
@@ -183,7 +188,7 @@ mod tests {
         let free = Constraints::default();
         let nonmortar = end(&upper, "bottom", &free);
         let against = Against::Obstacle(&rigid, Driven::Still);
-        let found = samples(nonmortar, against, InitialGap::Measured, 3.0).unwrap();
+        let found = samples(nonmortar, against, InitialGap::Measured, 3.0, true).unwrap();
         assert_eq!(found.len(), 2);
         let modulus = 1.0 / (1.0 - 0.3 * 0.3);
         for (k, sample) in found.iter().flatten().enumerate() {
@@ -216,7 +221,7 @@ mod tests {
             let free = Constraints::default();
             let against = Against::Side(end(&lower, "top", &free));
             let nonmortar = end(&upper, "bottom", &free);
-            let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            let found = samples(nonmortar, against, InitialGap::Measured, 0.0, true).unwrap();
             for on_facet in &found {
                 assert_eq!(on_facet.len(), count);
             }
@@ -244,7 +249,7 @@ mod tests {
         let rigid = Rigid::Gap(Field::constant(0.5));
         let against = Against::Obstacle(&rigid, Driven::Still);
         let nonmortar = end(&upper, "bottom", &free);
-        let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+        let found = samples(nonmortar, against, InitialGap::Measured, 0.0, true).unwrap();
         assert!(found.iter().flatten().all(|sample| sample.dent == 0.0));
     }
 
@@ -262,7 +267,7 @@ mod tests {
         let gaps = |inner: &Body<2>, outer: &Body<2>| -> Vec<f64> {
             let against = Against::Side(end(outer, "inner", &free));
             let nonmortar = end(inner, "outer", &free);
-            let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            let found = samples(nonmortar, against, InitialGap::Measured, 0.0, true).unwrap();
             assert_eq!(found.iter().flatten().count(), 108);
             found.iter().flatten().map(|sample| sample.at.gap).collect()
         };
@@ -301,7 +306,7 @@ mod tests {
             let rigid = hole(radius);
             let against = Against::Obstacle(&rigid, Driven::Still);
             let nonmortar = end(inner, "outer", &free);
-            let found = samples(nonmortar, against, InitialGap::Measured, 0.0).unwrap();
+            let found = samples(nonmortar, against, InitialGap::Measured, 0.0, true).unwrap();
             assert_eq!(found.iter().flatten().count(), 108);
             let gaps = found.iter().flatten().map(|sample| sample.at.gap);
             gaps.fold(0.0, |s: f64, gap| s.max((gap - (radius - 1.0)).abs()))

@@ -73,7 +73,7 @@ impl<const D: usize> Share<D> {
         }
     }
 
-    /// Adds ψ·area at a station to the row of a component along a direction.
+    /// Adds ψ·area at a station to the row of a component along a direction, with the lever of one that is not the normal there.
     pub fn add(
         &mut self,
         (component, direction): (usize, Point<D>),
@@ -103,7 +103,7 @@ impl<const D: usize> Share<D> {
         for (entry, (_, shape)) in other[start..].iter_mut().zip(&station.at.opposite) {
             entry.1 = add_scaled(entry.1, -weight * shape, direction);
         }
-        if let Some(lever) = lever.filter(|_| component > 0) {
+        if let Some(lever) = lever {
             for (place, entry) in other[start..].iter_mut().enumerate() {
                 entry.1 = add_scaled(entry.1, weight, lever.along(direction, place));
             }

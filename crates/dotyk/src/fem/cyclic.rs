@@ -122,6 +122,15 @@ impl<const D: usize> Twins<D> {
 }
 
 impl<const D: usize> Turn<D> {
+    /// The turn by nothing.
+    pub fn none() -> Self {
+        Self {
+            point: [0.0; D],
+            axis: [0.0, 0.0, 1.0],
+            angle: [0.0, 1.0],
+        }
+    }
+
     /// A vector after the turn: R v.
     pub fn vector(&self, v: Point<D>) -> Point<D> {
         self.by(self.angle[0], v)

@@ -36,6 +36,65 @@ fn difference(cut: &Solution<2>, whole: &Solution<2>) -> f64 {
     apart.fold(0.0, f64::max) / most
 }
 
+/// A block on a beam that a bolt may cut, of two steps, by the sides that carry the multipliers.
+fn pressed(swapped: bool, friction: f64, bolt: &str) -> Vec<Solution<2>> {
+    let [nonmortar, mortar] = match swapped {
+        true => ["beam.top", "block.bottom"],
+        false => ["block.bottom", "beam.top"],
+    };
+    let text = format!(
+        "analysis = \"plane-strain\"\n\
+         [[body]]\nname = \"beam\"\n\
+         mesh = {{ rectangle = {{ from = [0, 0], to = [4, 1], cells = [8, 2] }} }}\n\
+         material = {{ young = 1000, poisson = 0.3 }}\n\
+         fix = [{{ side = \"bottom\", y = 0 }}, {{ side = \"left\", x = 0 }}]\n\
+         [[body]]\nname = \"block\"\n\
+         mesh = {{ rectangle = {{ from = [0, 1], to = [4, 2], cells = [8, 2] }} }}\n\
+         material = {{ young = 1000, poisson = 0.3 }}\nfix = [{{ side = \"left\", x = 0 }}]\n\
+         load = [{{ side = \"top\", traction = [0.1, -1] }}]\n\
+         [[contact]]\nname = \"c\"\nnonmortar = \"{nonmortar}\"\nmortar = \"{mortar}\"\n\
+         friction = {friction}\n{bolt}[[step]]\ntime = 1\n[[step]]\ntime = 2\n"
+    );
+    solved(&text).1
+}
+
+fn beside_the_cut(solution: &Solution<2>) -> Vec<f64> {
+    let nodes = solution.contacts[0].nodes.iter();
+    let there = nodes.filter(|node| (node.point[0] - 2.0).abs() < 1e-9);
+    there.map(|node| node.pressure).collect()
+}
+
+#[test]
+fn a_contact_goes_on_over_a_cut() {
+    let stud = "[[bolt]]\nname = \"stud\"\nbody = \"beam\"\nat = [2, 0.5]\naxis = [1, 0]\n";
+    for (swapped, friction) in [(false, 0.0), (false, 0.3), (true, 0.0), (true, 0.3)] {
+        let whole = &pressed(swapped, friction, "")[1];
+        let kept = format!("{stud}shortening = 0\n");
+        let cut = &pressed(swapped, friction, &kept)[1];
+        let [expected] = beside_the_cut(whole)[..] else {
+            panic!("one node there")
+        };
+        // two of the cut side, or one of the other side with a row for each face of the cut
+        let found = beside_the_cut(cut);
+        assert_eq!(found.len(), 2);
+        for pressure in found {
+            assert!((pressure - expected).abs() < 1e-6, "{pressure} {expected}");
+        }
+        let [cut, whole] = [cut, whole].map(|s| s.contacts[0].resultant);
+        assert!((cut[1] - whole[1]).abs() < 1e-9);
+        // a bolt that is locked does not exchange its force with the friction beside it
+        let drawn = pressed(swapped, friction, &format!("{stud}prestress = 0.1\n"));
+        for step in &drawn {
+            let force = step.member("stud").unwrap().stations[0].force;
+            assert!((force - 0.1).abs() < 1e-8, "{force}");
+        }
+        let [first, second] = [0, 1].map(|step: usize| beside_the_cut(&drawn[step]));
+        for (first, second) in first.into_iter().zip(second) {
+            assert!((first - second).abs() < 1e-7, "{first} {second}");
+        }
+    }
+}
+
 #[test]
 fn a_cut_that_is_not_drawn_together_changes_nothing() {
     let whole = solved(&cantilever(2, "")).1;

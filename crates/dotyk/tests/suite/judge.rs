@@ -121,6 +121,61 @@ fn a_corner_node_of_one_contact_shares_with_no_other() {
     );
 }
 
+/// Two blocks that are tied to each other stand on a third one, whose nodes coincide with theirs: the shear of the tie could bear any part
+/// of the force at its foot.
+#[test]
+fn pressure_goes_on_from_a_block_to_one_that_is_tied_to_it() {
+    for (law, load) in [
+        ("", "[0.0, -1.0]"),
+        ("friction = 0.5", "[0.0, -1.0]"),
+        ("friction = 0.5", "[0.1, -1.0]"),
+    ] {
+        let under = format!("load = [{{ side = \"top\", traction = {load} }}]");
+        let text = [
+            PLANE.to_string(),
+            block(
+                "low",
+                [0.0, 0.0],
+                [4.0, 1.0],
+                [8, 2],
+                "fix = [{ side = \"bottom\", x = 0, y = 0 }]",
+            ),
+            block(
+                "a",
+                [0.0, 1.0],
+                [2.0, 2.0],
+                [4, 2],
+                &format!("fix = [{{ side = \"left\", x = 0 }}]\n{under}"),
+            ),
+            block("b", [2.0, 1.0], [4.0, 2.0], [4, 2], &under),
+            contact(
+                "t",
+                "nonmortar = \"a.right\"\nmortar = \"b.left\"\ntied = true",
+            ),
+            contact(
+                "c",
+                &format!("nonmortar = \"a.bottom\"\nmortar = \"low.top\"\n{law}"),
+            ),
+            contact(
+                "d",
+                &format!("nonmortar = \"b.bottom\"\nmortar = \"low.top\"\n{law}"),
+            ),
+        ]
+        .concat();
+        let solution = case(&text).model.solve().unwrap();
+        let at_foot = |contact: usize| {
+            let mut nodes = solution.contacts[contact].nodes.iter();
+            let foot = |n: &&ContactNode<2>| (n.point[0] - 2.0).abs() < 1e-9;
+            let found = nodes.find(foot).unwrap();
+            [found.pressure, found.shear[0]]
+        };
+        let [c, d] = [1, 2].map(at_foot);
+        for (c, d) in c.into_iter().zip(d) {
+            assert!((c - d).abs() < 1e-5, "{law} {load}: {c} {d}");
+        }
+    }
+}
+
 #[test]
 fn the_nearer_of_two_obstacles_counts_whatever_their_order() {
     let body = "fix = [{ side = \"left\", x = 0.0 }, { side = \"right\", x = 0.0 }]\n\

@@ -6,6 +6,7 @@ use dotyk::case::Case;
 use dotyk::geometry::{distance, norm};
 use dotyk::model::Solution;
 use proptest::prelude::*;
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -168,23 +169,65 @@ fn a_tool_presses_where_its_edges_are() {
         &mesh(&corners),
     );
     let [a, b] = [first, second].map(|text| plane(&text).remove(0));
-    let pressures = |s: &Solution<2>| {
-        let mut all: Vec<f64> = s.contacts[0]
-            .nodes
-            .iter()
-            .map(|n| n.pressure)
-            .filter(|p| *p > 0.0)
-            .collect();
-        all.sort_by(f64::total_cmp);
-        all
+    // half of the force on either side of the tip, whose faces meet each node with one condition; the meshes differ in their inner nodes,
+    // which makes one half of a block somewhat softer
+    for solution in [&a, &b] {
+        let nodes = &solution.contacts[0].nodes;
+        let mut forces: BTreeMap<usize, f64> = BTreeMap::new();
+        for node in nodes.iter().filter(|node| node.pressure != 0.0) {
+            *forces.entry(node.node).or_default() += node.pressure * node.weight;
+        }
+        let forces: Vec<f64> = forces.into_values().collect();
+        assert_eq!(forces.len(), 2);
+        assert!((forces[0] + forces[1] - 5.0).abs() < 1e-9, "{forces:?}");
+        assert!((forces[0] - 2.5).abs() < 0.25, "{forces:?}");
+    }
+}
+
+/// A block, held at its bottom, whose corner at (1, 1) an obstacle with a face inclined by an angle presses.
+fn corner(angle: f64, listed: &str, friction: f64, cell: &str, flat: bool) -> Solution<2> {
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let (along, normal) = ([cos, -sin], [-sin, -cos]);
+    let end = |s: f64| [0, 1].map(|k| 1.0 + s * along[k]);
+    let pressed = [0, 1].map(|k| 0.002 * normal[k] - 0.004 * along[k]);
+    let shape = match flat {
+        true => format!("plane = {{ point = [1, 1], normal = {normal:?} }}"),
+        false => format!("outline = [{:?}, {:?}]", end(-3.0), end(3.0)),
     };
-    // the meshes may differ in their inner nodes
-    let (a, b) = (pressures(&a), pressures(&b));
-    assert_eq!(a.len(), b.len());
-    assert!(
-        a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 0.02 * a),
-        "{a:?} {b:?}"
+    let text = format!(
+        "analysis = \"plane-strain\"\n[[body]]\nname = \"a\"\n\
+         mesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [4, 4], cell = \"{cell}\" }} }}\n\
+         material = {{ young = 1000, poisson = 0.3 }}\n\
+         fix = [{{ side = \"bottom\", x = 0, y = 0 }}, {{ side = \"left\", x = 0 }}]\n\
+         [[contact]]\nname = \"c\"\nnonmortar = {listed}\nfriction = {friction}\n\
+         obstacle = {{ {shape}, displacement = {pressed:?} }}\n"
     );
+    plane(&text).remove(0)
+}
+
+#[test]
+fn a_corner_meets_an_inclined_face_along_its_normal() {
+    for (angle, friction, cell) in [
+        (3.0, 0.0, "quad4"),
+        (10.0, 0.0, "quad8"),
+        (10.0, 0.2, "quad4"),
+        (30.0, 0.0, "tri3"),
+        (45.0, 0.2, "tri6"),
+        (80.0, 0.0, "quad4"),
+    ] {
+        for listed in ["\"a.top\"", "[\"a.top\", \"a.right\"]"] {
+            let [flat, drawn] =
+                [true, false].map(|flat| corner(angle, listed, friction, cell, flat));
+            let unlike = difference(&flat, &drawn);
+            assert!(
+                unlike < 1e-9,
+                "{angle} {friction} {cell} {listed}: {unlike}"
+            );
+            let [x, y] = drawn.contacts[0].resultant;
+            let slope = f64::tan(f64::to_radians(angle));
+            assert!(friction > 0.0 || (x / y - slope).abs() < 1e-9 * slope);
+        }
+    }
 }
 
 #[test]
@@ -260,6 +303,68 @@ fn an_open_sheet_is_a_plane_of_space() {
         .replace("name = \"c\"", "name = \"c\"\npairing = \"mortar\"");
     let plane = read::<3>(&plane, &at).model.solve().unwrap();
     assert!(difference(&sheet, &plane) < 1e-9);
+}
+
+#[test]
+fn an_edge_and_a_corner_of_a_box_meet_an_inclined_sheet_along_its_normal() {
+    for (toward, cell, listed) in [
+        (
+            [0.3, 0.0, 0.95f64],
+            "hex8",
+            "[\"cube.top\", \"cube.right\"]",
+        ),
+        ([0.6, 0.0, 0.8], "tet10", "\"cube.top\""),
+        (
+            [0.4, 0.7, 0.6],
+            "tet4",
+            "[\"cube.top\", \"cube.right\", \"cube.back\"]",
+        ),
+    ] {
+        let size = norm(toward);
+        let up = toward.map(|c| c / size);
+        // a large triangle through the corner (1, 1, 1), seen from below
+        let (a, b) = (
+            [up[2], 0.0, -up[0]],
+            [-up[0] * up[1], 1.0 - up[1] * up[1], -up[1] * up[2]],
+        );
+        let at = |s: f64, t: f64| {
+            [0, 1, 2]
+                .map(|k| 1.0 + s * a[k] + t * b[k])
+                .map(|c| format!("{c:?}"))
+                .join(" ")
+        };
+        let facet = [at(-9.0, -9.0), at(0.0, 9.0), at(9.0, -9.0)];
+        let stl = format!(
+            "solid s\nfacet normal 0 0 0\nouter loop\nvertex {}\nvertex {}\nvertex {}\nendloop\nendfacet\nendsolid s\n",
+            facet[0], facet[1], facet[2]
+        );
+        let name = format!("leaning_{cell}");
+        let at = folder(&name, &[("tool.stl", stl.as_bytes())]);
+        let pressed = up.map(|c| -0.002 * c);
+        let text = |shape: &str| {
+            format!(
+                "analysis = \"3d\"\n[[body]]\nname = \"cube\"\n\
+                 mesh = {{ box = {{ from = [0, 0, 0], to = [1, 1, 1], cells = [2, 2, 2], cell = \"{cell}\" }} }}\n\
+                 material = {{ young = 1000, poisson = 0.3 }}\n\
+                 fix = [{{ side = \"bottom\", x = 0, y = 0, z = 0 }}]\n\
+                 [[contact]]\nname = \"c\"\nnonmortar = {listed}\n\
+                 obstacle = {{ {shape}, displacement = {pressed:?} }}\n"
+            )
+        };
+        let normal = up.map(|c| -c);
+        let flat = text(&format!(
+            "plane = {{ point = [1, 1, 1], normal = {normal:?} }}"
+        ));
+        let [flat, drawn] = [flat, text("stl = \"tool.stl\"")]
+            .map(|text| read::<3>(&text, &at).model.solve().unwrap());
+        assert!(difference(&flat, &drawn) < 1e-9, "{cell}");
+        let force = drawn.contacts[0].resultant;
+        let along = force.iter().zip(up).map(|(f, n)| f * n).sum::<f64>();
+        assert!(
+            (along.abs() - norm(force)).abs() < 1e-9 * norm(force),
+            "{force:?}"
+        );
+    }
 }
 
 #[test]

@@ -26,6 +26,7 @@ use crate::model::nouns::model::{Method, Model};
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::{Condensed, again, make_whole};
+use crate::model::system::dependent::least_forces;
 use crate::solve::{Outcome, correction, loaded};
 
 /// Most increments.
@@ -62,8 +63,12 @@ pub(crate) fn equilibrate<const D: usize>(
             let known = (at.attempt, &at.judged, from);
             let (ended, goes_on) = turns.next(model, condensed, known, observe)?;
             if !goes_on {
+                let mut ended = ended.behind(before);
+                if from.own.is_none() && ended.failure.is_none() {
+                    share_out(model, condensed, (&mut ended.outcome, &mut at.judged))?;
+                }
                 turns.take_over(model, condensed, &mut at.judged)?;
-                return Ok((ended.behind(before), at.judged, parted));
+                return Ok((ended, at.judged, parted));
             }
             guess = Some(ended.outcome.multipliers.clone());
             attempt = ended;
@@ -72,6 +77,28 @@ pub(crate) fn equilibrate<const D: usize>(
         at = Reached::begin(model, condensed, Start { guess, ..from }, observe)?;
         before = Some(attempt.behind(before));
     }
+}
+
+/// Forces that are not unique become the least ones, if the certificate holds with these as well.
+///
+/// Errors: as [`equilibrate`].
+fn share_out<const D: usize>(
+    model: &Model<D>,
+    condensed: &Condensed<D>,
+    (outcome, judged): (&mut Outcome, &mut Judged<D>),
+) -> Result<(), Error<D>> {
+    let pairs = (&condensed.bodies[..], &condensed.conditions[..]);
+    let (lambda, gaps) = (&outcome.multipliers.lambda, &judged.displaced.gaps);
+    let Some(least) = least_forces(pairs, &condensed.problem, lambda, gaps) else {
+        return Ok(());
+    };
+    let mut shared = outcome.clone();
+    shared.multipliers.lambda = least;
+    let found = judge(model, condensed, &shared, None)?;
+    if excess(&found.certificate) <= excess(&judged.certificate).max(1.0) {
+        (*outcome, *judged) = (shared, found);
+    }
+    Ok(())
 }
 
 /// Solves the present linear problem until the certificate holds or no move brings the forces nearer.

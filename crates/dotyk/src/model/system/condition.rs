@@ -484,7 +484,7 @@ pub(crate) struct Sharer {
     pub extent: f64,
 }
 
-/// Two nodes of a contact that are one place of the whole of which a body is a sector.
+/// Two nodes of a contact that are one place, see `border.rs`.
 #[derive(Debug, Clone)]
 pub(crate) struct Twin<const D: usize> {
     /// Places in the interface: of the node that carries the multiplier, and of the other one.

@@ -376,8 +376,9 @@ impl<'a, const D: usize> Contacting<'a, D> {
         nonmortar: End<'_, D>,
         against: Against<'_, D>,
         gap: InitialGap<'_>,
+        leaning: bool,
     ) -> Result<Vec<Vec<Sample<D>>>, ContactError> {
-        samples(nonmortar, against, gap, self.time)
+        samples(nonmortar, against, gap, self.time, leaning)
     }
 
     /// A side, or a part of it, above an obstacle.
@@ -390,7 +391,12 @@ impl<'a, const D: usize> Contacting<'a, D> {
     ) -> Result<Condition<D>, Error<D>> {
         let against = Against::Obstacle(&obstacle.shape, driven(obstacle));
         let interface = self.obstacle(end, (obstacle, corners), coupling);
-        let samples = self.samples(end, against, InitialGap::Measured);
+        let samples = self.samples(
+            end,
+            against,
+            InitialGap::Measured,
+            coupling != Coupling::Tied,
+        );
         let obstacle_motion = obstacle_motion(self.contact, self.time)?;
         let interface = interface.map_err(|source| self.fail(source))?;
         if let Rigid::Tool(tool) = &obstacle.shape {
@@ -448,6 +454,8 @@ impl<'a, const D: usize> Contacting<'a, D> {
             (None, Coupling::Normal | Coupling::Frictional) => InitialGap::Measured,
             _ => InitialGap::Closed,
         });
+        // coincident nodes need no direction
+        let leaning = conforming.is_none() && coupling != Coupling::Tied;
         let mut interface = match conforming {
             Some(interface) => interface,
             None => pair_mortar(
@@ -459,7 +467,7 @@ impl<'a, const D: usize> Contacting<'a, D> {
                 self.time,
             )?,
         };
-        let mut samples = self.samples(end, against, gap)?;
+        let mut samples = self.samples(end, against, gap, leaning)?;
         let measured = match &self.contact.gap {
             None => coupling != Coupling::Tied,
             Some(gap) => matches!(gap, Gap::Geometric),

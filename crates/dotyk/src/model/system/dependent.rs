@@ -4,8 +4,8 @@
 //! the same at all times one is redundant: these get no multiplier, are named in a warning, and are judged all the same. A slip
 //! prescribed by supports of both sides is not such a condition: the law gives a shear for it. Other inequalities imply none: of
 //! two obstacles under one side either may be the nearer one, and on the two rough walls of a corner a node may stick or slip.
-//! They keep their multipliers although F is singular; where dependent ones bear a force, their shares of the sum are not unique,
-//! and a warning says so.
+//! They keep their multipliers although F is singular; where dependent ones bear a force, their shares of the sum are not unique:
+//! those of least pressures are told, and a warning says so.
 //!
 //! Dependence is found by Cholesky factorisation of BBᵀ on the free dofs with diagonal pivoting. A row with a free dof of its
 //! own is independent; setting such rows aside repeatedly leaves few rows, mostly none, for the factorisation.
@@ -13,7 +13,9 @@
 use crate::contact::Coupling;
 use crate::dual::DualProblem;
 use crate::fem::{BodySystem, CoupleKind, show};
-use crate::linalg::dense::{cholesky_in_place, solve_lower_in_place};
+use crate::linalg::dense::{
+    cholesky_in_place, solve_lower_in_place, solve_lower_transpose_in_place,
+};
 use crate::linalg::{Mat, pivoted_cholesky};
 use crate::model::nouns::model::{Law, Model};
 use crate::model::system::bodies::LoadedBody;
@@ -23,8 +25,17 @@ use std::collections::{BTreeMap, BTreeSet};
 /// A row is dependent when less than this part of its square is its own.
 const DEPENDENT: f64 = 1e-12;
 
+/// Coefficients below this part of the largest of a row are rounding of its integrals: no dof of its own.
+const NO_PART: f64 = 1e-12;
+
 /// Larger groups of forces that share dofs are only counted, not examined one by one.
 const TOGETHER: usize = 3000;
+
+/// Tractions of ties count by so much less than those of contacts.
+const LESS: f64 = 1e6;
+
+/// Parts of forces below this are rounding.
+const ROUNDING: f64 = 1e-10;
 
 /// Coefficients of one row on the free dofs, by (body, dof).
 type Sparse = Vec<((usize, usize), f64)>;
@@ -81,6 +92,77 @@ pub(crate) fn drop_implied<const D: usize>(
     dropped.into_iter().map(drop).collect()
 }
 
+/// Forces that are free to change, of rows that may depend on others.
+struct Movable {
+    /// What one unit of each does.
+    columns: Vec<Sparse>,
+    owners: Vec<Place>,
+    /// The components of λ that change by one unit of each: a normal force takes the shear of a node that slips along.
+    parts: Vec<Vec<(usize, f64)>>,
+}
+
+impl Movable {
+    /// Normal forces that push, with the shear of nodes that slip, and shears that stick; `gaps` (m,) show which nodes slip.
+    fn of<const D: usize>(
+        (bodies, conditions): (&[LoadedBody<D>], &[Condition<D>]),
+        problem: &DualProblem,
+        lambda: &[f64],
+        gaps: &[f64],
+    ) -> Self {
+        let systems: Vec<&BodySystem<D>> = bodies.iter().map(|body| &body.system).collect();
+        let (places, rows) = suspects(&systems, conditions);
+        let (columns, owners, parts) = (Vec::new(), Vec::new(), Vec::new());
+        let mut found = Self {
+            columns,
+            owners,
+            parts,
+        };
+        if rows.is_empty() {
+            return found;
+        }
+        let starts: Vec<usize> = row_ranges(conditions).map(|(rows, _)| rows.start).collect();
+        let row_of: BTreeMap<usize, usize> = (0..rows.len())
+            .map(|i| (starts[places[i].0] + places[i].1, i))
+            .collect();
+        let slips = |i: usize| gaps[i].abs() > SLIP * problem.scales.length;
+        for (block, range) in problem.admissible.iter() {
+            // an interval has an elastic part of its own
+            let free = block.is_free();
+            if !free && (!block.is_normal() || lambda[range.start] <= 0.0) {
+                continue;
+            }
+            let known = range.clone().filter_map(|i| Some((i, *row_of.get(&i)?)));
+            let alone = |&(i, _): &(usize, usize)| free || i > range.start && !slips(i);
+            for (i, row) in known.filter(alone) {
+                found.push((rows[row].clone(), places[row]), vec![(i, 1.0)]);
+            }
+            let normal = row_of.get(&range.start).filter(|_| !free);
+            let Some(&first) = normal else { continue };
+            let (mut column, mut along) = (rows[first].clone(), vec![(range.start, 1.0)]);
+            let slipping = range.clone().skip(1).filter(|&i| slips(i));
+            let rows_along: Option<Vec<(usize, usize)>> =
+                slipping.map(|i| Some((i, *row_of.get(&i)?))).collect();
+            // a shear with a dof of its own that goes with the normal force holds this
+            let Some(rows_along) = rows_along else {
+                continue;
+            };
+            for (i, row) in rows_along {
+                let share = lambda[i] / lambda[range.start];
+                column = combine(&column, share, &rows[row]);
+                along.push((i, share));
+            }
+            found.push((column, places[first]), along);
+        }
+        found
+    }
+
+    fn push(&mut self, (column, owner): (Sparse, Place), parts: Vec<(usize, f64)>) {
+        self.columns.push(column);
+        self.owners.push(owner);
+        self.parts.push(parts);
+    }
+}
+
 /// A warning about forces λ (m,) of these bodies and conditions that are not unique, because the rows of several contacts at a node
 /// are dependent; `gaps` (m,) show which nodes slip.
 pub(crate) fn shared_forces<const D: usize>(
@@ -90,44 +172,9 @@ pub(crate) fn shared_forces<const D: usize>(
     lambda: &[f64],
     gaps: &[f64],
 ) -> Option<String> {
-    let systems: Vec<&BodySystem<D>> = bodies.iter().map(|body| &body.system).collect();
-    let (places, rows) = suspects(&systems, conditions);
-    if rows.is_empty() {
-        return None;
-    }
-    let starts: Vec<usize> = row_ranges(conditions).map(|(rows, _)| rows.start).collect();
-    let row_of: BTreeMap<usize, usize> = (0..rows.len())
-        .map(|i| (starts[places[i].0] + places[i].1, i))
-        .collect();
-    let slips = |i: usize| gaps[i].abs() > SLIP * problem.scales.length;
-    // the forces that are free to change: normal ones that push, with the shear of nodes that slip, and shears that stick
-    let mut columns: Vec<Sparse> = Vec::new();
-    let mut owners: Vec<Place> = Vec::new();
-    for (block, range) in problem.admissible.iter() {
-        let Some(&first) = row_of.get(&range.start) else {
-            continue;
-        };
-        let free = block.is_free();
-        // an interval has an elastic part of its own
-        if !free && (!block.is_normal() || lambda[range.start] <= 0.0) {
-            continue;
-        }
-        let mut normal = rows[first].clone();
-        for i in range.clone().skip(1) {
-            match row_of.get(&i) {
-                Some(&row) if free || !slips(i) => {
-                    columns.push(rows[row].clone());
-                    owners.push(places[row]);
-                }
-                Some(&row) => {
-                    normal = combine(&normal, lambda[i] / lambda[range.start], &rows[row])
-                }
-                None => {}
-            }
-        }
-        columns.push(normal);
-        owners.push(places[first]);
-    }
+    let Movable {
+        columns, owners, ..
+    } = Movable::of((bodies, conditions), problem, lambda, gaps);
     let all: Vec<usize> = (0..columns.len()).collect();
     let (mut dependent, mut involved) = (Vec::new(), BTreeSet::new());
     for together in connected(&columns, &all) {
@@ -156,6 +203,106 @@ pub(crate) fn shared_forces<const D: usize>(
         conditions[contact].called(model),
         describe(model, &conditions[contact], &own)
     ))
+}
+
+/// Of all forces of contacts that do the same as λ (m,), those of the least pressures and shears ∫ p² (and of ties, where these do not
+/// decide): where two tied bodies stand on a third one, the pressure goes on from one to the other. `None` where λ is unique, or they
+/// would pull, or slip where nodes stick.
+pub(crate) fn least_forces<const D: usize>(
+    (bodies, conditions): (&[LoadedBody<D>], &[Condition<D>]),
+    problem: &DualProblem,
+    lambda: &[f64],
+    gaps: &[f64],
+) -> Option<Vec<f64>> {
+    let movable = Movable::of((bodies, conditions), problem, lambda, gaps);
+    let columns = &movable.columns;
+    let own = (0..columns.len()).filter(|&i| conditions[movable.owners[i].0].contact().is_some());
+    let own: Vec<usize> = own.collect();
+    let mut least = lambda.to_vec();
+    for together in connected(columns, &own) {
+        if together.len() > TOGETHER {
+            continue;
+        }
+        let (basis, dependent) = split_together(columns, &together);
+        if dependent.is_empty() {
+            continue;
+        }
+        let area = |i: usize| area_of(&conditions[movable.owners[i].0], movable.owners[i].1);
+        let force = |i: usize| lambda[movable.parts[i][0].0];
+        let change = to_least(columns, (&basis, &dependent), area, force)?;
+        for (index, change) in change {
+            for &(row, share) in &movable.parts[index] {
+                least[row] += share * change;
+            }
+        }
+    }
+    let mut allowed = least.clone();
+    problem.admissible.project(&least, &mut allowed);
+    let size = |of: &[f64]| of.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let outside: Vec<f64> = allowed.iter().zip(&least).map(|(a, b)| a - b).collect();
+    let moved: Vec<f64> = allowed.iter().zip(lambda).map(|(a, b)| a - b).collect();
+    (size(&outside) <= ROUNDING * size(lambda) && size(&moved) > ROUNDING * size(lambda))
+        .then_some(allowed)
+}
+
+/// Changes of forces, by their index, to those of least Σ force²/area that do the same: with aⱼ the shares of a dependent force among
+/// the basis, nⱼ = eⱼ − aⱼ changes nothing, and the changes are −N (Nᵀ A⁻¹ N)⁻¹ Nᵀ A⁻¹ λ. `None` where that cannot be solved.
+fn to_least(
+    columns: &[Sparse],
+    (basis, dependent): (&[usize], &[usize]),
+    area: impl Fn(usize) -> f64,
+    force: impl Fn(usize) -> f64,
+) -> Option<Vec<(usize, f64)>> {
+    let products = |of: &[usize]| {
+        Mat::from_fn(basis.len(), of.len(), |i, j| {
+            product(&columns[basis[i]], &columns[of[j]])
+        })
+    };
+    let mut factor = products(basis);
+    let mut shares = products(dependent);
+    cholesky_in_place(&mut factor).ok()?;
+    solve_lower_in_place(&factor, &mut shares);
+    solve_lower_transpose_in_place(&factor, &mut shares);
+    let by_area = |i: usize, j: usize| -> f64 {
+        let own = if i == j {
+            1.0 / area(dependent[i])
+        } else {
+            0.0
+        };
+        let all = (0..basis.len()).map(|k| shares[(k, i)] * shares[(k, j)] / area(basis[k]));
+        own + all.sum::<f64>()
+    };
+    let mut metric = Mat::from_fn(dependent.len(), dependent.len(), by_area);
+    let mut amounts = Mat::from_fn(dependent.len(), 1, |j, _| {
+        let own = force(dependent[j]) / area(dependent[j]);
+        let all = (0..basis.len()).map(|k| shares[(k, j)] * force(basis[k]) / area(basis[k]));
+        all.sum::<f64>() - own
+    });
+    cholesky_in_place(&mut metric).ok()?;
+    solve_lower_in_place(&metric, &mut amounts);
+    solve_lower_transpose_in_place(&metric, &mut amounts);
+    let amount = |j: usize| amounts[(j, 0)];
+    let of_basis = basis.iter().enumerate().map(|(k, &index)| {
+        let shares = (0..dependent.len()).map(|j| shares[(k, j)] * amount(j));
+        (index, -shares.sum::<f64>())
+    });
+    let own = dependent.iter().enumerate();
+    Some(
+        own.map(|(j, &index)| (index, amount(j)))
+            .chain(of_basis)
+            .collect(),
+    )
+}
+
+/// The area over which the force of a row acts; that of ties counts as so much larger that pressures decide.
+fn area_of<const D: usize>(condition: &Condition<D>, row: usize) -> f64 {
+    let mut nodes = condition.interface.nodes.iter();
+    let own = nodes.find(|node| node.rows.contains(&Some(row)));
+    let area = own.map_or(1.0, |node| node.weight.abs().max(f64::MIN_POSITIVE));
+    match condition.interface.coupling {
+        Coupling::Tied => area * LESS,
+        _ => area,
+    }
 }
 
 /// Rows that may depend on others, with their places.
@@ -191,6 +338,8 @@ fn free_part<const D: usize>(
             *sums.entry((body, dof)).or_insert(0.0) += value;
         }
     }
+    let most = sums.values().fold(0.0, |most: f64, c| most.max(c.abs()));
+    sums.retain(|_, c| c.abs() > NO_PART * most);
     sums.into_iter().collect()
 }
 
