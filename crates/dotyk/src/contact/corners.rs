@@ -472,7 +472,10 @@ mod tests {
             };
             // a facet turns by 2 degrees
             let nearest = unit([1.0, 3.0]).unwrap();
-            assert!(distance(direction, nearest) < 1e-3, "{radius}: {direction:?}");
+            assert!(
+                distance(direction, nearest) < 1e-3,
+                "{radius}: {direction:?}"
+            );
         }
     }
 }

@@ -10,7 +10,7 @@
 //! either body has behind the facets which face each other within that: of two surfaces of a thin plate the near one counts.
 
 use crate::contact::facing::first_seen;
-use crate::contact::search::{Boundary, Line, NEAR, Screen, SideSearch};
+use crate::contact::search::{Boundary, Hit, Line, NEAR, Screen, SideSearch};
 use crate::contact::{ContactError, End};
 use crate::geometry::{Point, add_scaled, bounding_box, distance, norm, unit};
 use crate::mesh::{Facet, Mesh, Skin};
@@ -99,22 +99,28 @@ impl<'a, const D: usize> Outer<'a, D> {
     }
 
     /// Pairs of its facets and facets of another body that face each other within a reach, found from here.
-    fn sights(&self, other: &Self, reach: f64, others: &[&Self]) -> Vec<[Facet; 2]> {
+    fn sights(&self, other: &Self, reach: f64, others: &[&Self], sight: Sight) -> Vec<[Facet; 2]> {
         let search = self.search_of(other);
-        let sight = |&facet: &Facet| {
+        let met = |&facet: &Facet| {
             let points: Vec<Point<D>> = self.mesh.facet_points(facet).collect();
             let (low, high) = bounding_box(&points);
             if !other.is_near([low, high], reach + self.bow(facet) + other.most_bow()) {
                 return None;
             }
             let rounding = NEAR * self.mesh.facet_length(facet);
+            let covered = Cell::new(false);
             let hit = first_seen(self.mesh, facet, &search, |line, hit| {
-                hit.distance.abs() <= reach + self.bow(facet) + other.bow(hit.facet)
-                    && !others.iter().any(|o| o.hides(line, hit.distance, rounding))
+                let near = hit.distance.abs() <= reach + self.bow(facet) + other.bow(hit.facet);
+                if covered.get() || !near && sight == Sight::Any {
+                    return false;
+                }
+                let hides = others.iter().any(|o| o.hides(line, hit.distance, rounding));
+                covered.set(hides && sight == Sight::Middle);
+                near && !hides
             })?;
             Some([facet, hit.facet])
         };
-        self.facets.par_iter().filter_map(sight).collect()
+        self.facets.par_iter().filter_map(met).collect()
     }
 
     /// Its facets that see another side, but for one of `others` between.
@@ -132,6 +138,16 @@ impl<'a, const D: usize> Outer<'a, D> {
         };
         let hidden: Vec<Facet> = self.facets.par_iter().filter_map(hidden).collect();
         hidden.into_iter().collect()
+    }
+
+    /// Whether a body stands somewhere on the ways from here to another side.
+    fn looks_through(&self, other: &Self, body: &Self) -> bool {
+        let search = self.search_of(other);
+        self.facets.iter().any(|&facet| {
+            let rounding = NEAR * self.mesh.facet_length(facet);
+            let hides = |line, hit: Hit| body.hides(line, hit.distance, rounding);
+            first_seen(self.mesh, facet, &search, hides).is_some()
+        })
     }
 
     /// Whether the way along a line to a distance passes through this body.
@@ -162,20 +178,31 @@ fn faced<'a, const D: usize>(
     [a, b]: [&Outer<'a, D>; 2],
     reach: f64,
     others: &[&Outer<'a, D>],
+    sight: Sight,
 ) -> [Vec<Facet>; 2] {
     if !a.is_near(b.bounds, reach + a.most_bow() + b.most_bow()) {
         return [Vec::new(), Vec::new()];
     }
     let mut faced: [BTreeSet<Facet>; 2] = Default::default();
-    for [own, met] in a.sights(b, reach, others) {
+    for [own, met] in a.sights(b, reach, others, sight) {
         faced[0].insert(own);
         faced[1].insert(met);
     }
-    for [own, met] in b.sights(a, reach, others) {
+    for [own, met] in b.sights(a, reach, others, sight) {
         faced[1].insert(own);
         faced[0].insert(met);
     }
     faced.map(|facets| facets.into_iter().collect())
+}
+
+/// How much of a facet must see another body where third ones stand between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sight {
+    /// Any part of it: for contacts with the gaps that are there, through a body they stay open.
+    Any,
+    /// What it sees nearest to its middle: for contacts that count as closed at any distance. They would hold the bodies through the third
+    /// one where a facet sees the other body past its edge alone.
+    Middle,
 }
 
 /// Bodies among which facets are sought that face each other.
@@ -227,7 +254,13 @@ impl<'a, const D: usize> Neighbours<'a, D> {
 
     /// The facets of two bodies that face each other within a reach or, without one, within that of the bodies; those of `between`
     /// hide what lies behind them.
-    pub fn faced(&self, [a, b]: [usize; 2], reach: Option<f64>, between: &[usize]) -> Faced {
+    pub fn faced(
+        &self,
+        [a, b]: [usize; 2],
+        reach: Option<f64>,
+        between: &[usize],
+        sight: Sight,
+    ) -> Faced {
         let pair = [&self.0[a], &self.0[b]];
         let limit = REACH * pair[0].diagonal().min(pair[1].diagonal());
         let wide = reach.unwrap_or(limit);
@@ -236,7 +269,7 @@ impl<'a, const D: usize> Neighbours<'a, D> {
             .map(|&k| &self.0[k])
             .filter(|other| pair.iter().all(|body| other.is_near(body.bounds, wide)))
             .collect();
-        let facets = faced(pair, wide, &others);
+        let facets = faced(pair, wide, &others, sight);
         if reach.is_some() || facets[0].is_empty() {
             return Faced {
                 facets,
@@ -246,7 +279,7 @@ impl<'a, const D: usize> Neighbours<'a, D> {
         let thickness = [0, 1].map(|k| pair[k].thickness(&facets[k]));
         let reach = limit.min(THICKNESS * thickness[0].min(thickness[1]));
         let facets = match reach < limit {
-            true => faced(pair, reach, &others),
+            true => faced(pair, reach, &others, sight),
             false => facets,
         };
         Faced { facets, reach }
@@ -316,7 +349,8 @@ fn depths<'a, const D: usize>(meshes: [&'a Mesh<D>; 2]) -> impl Iterator<Item = 
 }
 
 /// The facets of two sides that take part in their contact: those that face each other within a reach, if there is one, and
-/// no facet that another body hides from the other side. `None`: all of them.
+/// no facet that another body hides from the other side, unless a facet there sees it: a large one may be seen between bodies that hide
+/// all that it sees itself. `None`: all of them.
 ///
 /// Errors: an unknown or empty side; sides no facets of which face each other within the reach, or all of which are hidden.
 pub fn taking_part<'a, const D: usize>(
@@ -339,7 +373,7 @@ pub fn taking_part<'a, const D: usize>(
     let between: Vec<&Outer<'a, D>> = others.iter().map(|(_, other)| other).collect();
     let [a, b] = &pair;
     if let Some(reach) = reach {
-        let facets = faced([a, b], reach, &between);
+        let facets = faced([a, b], reach, &between, Sight::Any);
         return match facets[0].is_empty() {
             true => Err(ContactError::BeyondReach {
                 sides: ends.map(|end| end.name()),
@@ -355,22 +389,24 @@ pub fn taking_part<'a, const D: usize>(
     if hidden.iter().all(BTreeSet::is_empty) {
         return Ok(None);
     }
-    let left = [0, 1].map(|k| {
-        let facets = pair[k].facets.iter().copied();
-        facets
-            .filter(|facet| !hidden[k].contains(facet))
-            .collect::<Vec<Facet>>()
-    });
-    match faced([a, b], f64::INFINITY, &between)[0].is_empty() || left.iter().any(Vec::is_empty) {
-        true => Err(ContactError::Hidden {
+    let seen = faced([a, b], f64::INFINITY, &between, Sight::Any);
+    if seen[0].is_empty() {
+        let hides = |other: &Outer<'a, D>| a.looks_through(b, other) || b.looks_through(a, other);
+        return Err(ContactError::Hidden {
             sides: ends.map(|end| end.name()),
             by: others
                 .iter()
-                .filter(|(_, other)| !a.hidden_from(b, &[other]).is_empty())
+                .filter(|(_, other)| hides(other))
                 .map(|(name, _)| format!("\"{name}\""))
                 .collect::<Vec<String>>()
                 .join(", "),
-        }),
-        false => Ok(Some(left)),
+        });
     }
+    let takes_part = |k: usize, facet: &Facet| {
+        !hidden[k].contains(facet) || seen[k].binary_search(facet).is_ok()
+    };
+    Ok(Some([0, 1].map(|k| {
+        let facets = pair[k].facets.iter().copied();
+        facets.filter(|facet| takes_part(k, facet)).collect()
+    })))
 }

@@ -41,7 +41,7 @@ pub(crate) use curved::missed_by_nodes;
 pub use curved::straight_turn;
 pub use error::ContactError;
 pub use facing::{facets_coincide, unmatched_facing};
-pub use found::{Faced, Neighbours, taking_part};
+pub use found::{Faced, Neighbours, Sight, taking_part};
 pub use gaps::{GapPoint, GapShares, Moved};
 pub use mortar::pair_mortar;
 pub use node_to_node::{pair_nodes, pair_obstacle};

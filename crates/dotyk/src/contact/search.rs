@@ -3,7 +3,8 @@
 //! A point x with outward normal n faces the facet that the line x + s·n meets nearest to x (smallest |s|), if the
 //! outward normal there is opposed to n, and the segment between them crosses no boundary of the two bodies. In front of x (s > 0)
 //! the segment lies outside of both. Behind x (s < 0) the bodies overlap, and it lies inside of both: x itself is inside the other
-//! body, so that a surface on the far side of that body is not a partner, nor is one behind the far side of x's own body. An overlap
+//! body, so that a surface on the far side of that body is not a partner, nor is one behind the far side of x's own body, nor one that
+//! begins at an edge of the other body, which the segment meets from outside. An overlap
 //! is resolved in its short direction: a surface at the far end of a long overlap is not a partner either. A body that meets itself, at a
 //! slit say, overlaps where it goes on behind the surface that is met; where it ends there the segment is its own thickness.
 //! Cost: O(log n) for each line.
@@ -332,9 +333,21 @@ impl<'a, const D: usize> Boundary<'a, D> {
         self.crossing(line, way, rounding).is_some()
     }
 
-    /// The first distance between two at which a line crosses it. Two facets back to back within `rounding` do not count as a
-    /// crossing: at the seam between two parts of one body, or at an edge that the line touches.
+    /// The first distance between two at which a line crosses it.
     fn crossing(&self, line: Line<D>, way: [f64; 2], rounding: f64) -> Option<f64> {
+        let first = self.first_crossing(line, way, rounding);
+        first.map(|(hit, _)| hit.distance)
+    }
+
+    /// Whether a place on a line is inside of the body: what the line crosses next, it leaves.
+    fn holds(&self, line: Line<D>, distance: f64, rounding: f64) -> bool {
+        let next = self.first_crossing(line, [distance, f64::INFINITY], rounding);
+        next.is_some_and(|(_, cosine)| cosine > 0.0)
+    }
+
+    /// The first crossing of a line between two distances, with the cosine there. Two facets back to back within `rounding` do not count
+    /// as one: at the seam between two parts of one body, or at an edge that the line touches.
+    fn first_crossing(&self, line: Line<D>, way: [f64; 2], rounding: f64) -> Option<(Hit, f64)> {
         let met = self
             .screen()
             .meets(line, way, |cosine| cosine.abs() > ALONG);
@@ -345,8 +358,9 @@ impl<'a, const D: usize> Boundary<'a, D> {
             })
         };
         let through = met.iter().filter(|met| !back_to_back(met));
-        let distances = through.map(|(hit, _)| hit.distance);
-        distances.reduce(f64::min)
+        through
+            .min_by(|a, b| a.0.distance.total_cmp(&b.0.distance))
+            .copied()
     }
 }
 
@@ -426,14 +440,16 @@ impl<'a, const D: usize> SideSearch<'a, D> {
     }
 
     /// Whether what lies behind the start of a line to a depth, within one body or two, is an overlap: of one with itself, not its own
-    /// thickness.
+    /// thickness; of two within the other one, not beside it up to an edge.
     fn overlaps(&self, line: Line<D>, depth: f64, rounding: f64) -> bool {
         let back = Line {
             start: line.start,
             direction: line.direction.map(|c| -c),
         };
-        let is_one = std::ptr::eq(self.own.mesh, self.other.mesh);
-        !is_one || self.own.is_twice(back, 0.5 * depth, rounding)
+        match std::ptr::eq(self.own.mesh, self.other.mesh) {
+            true => self.own.is_twice(back, 0.5 * depth, rounding),
+            false => self.other.holds(back, 0.5 * depth, rounding),
+        }
     }
 
     /// Whether the overlap of the bodies behind the start of a line is at most [`LONGEST`] times as deep as it is wide half way there.
@@ -558,7 +574,7 @@ mod tests {
     use super::*;
     use crate::contact::gaps::tests::{flat, noise, together, wall};
     use crate::geometry::unit;
-    use crate::mesh::{CellKind, Cuboid, Rectangle, Ring};
+    use crate::mesh::{CellBlock, CellKind, Cuboid, Rectangle, Ring};
 
     fn block(from: Point<2>, to: Point<2>, cell: CellKind) -> Mesh<2> {
         let rectangle = Rectangle {
@@ -997,6 +1013,35 @@ mod tests {
         let search = SideSearch::new(&body.mesh, &body.mesh, facets);
         let hit = search.opposite(up(1.0, -0.5), 1.0).unwrap();
         assert_eq!((hit.facet, hit.distance), (facets[0], 0.5));
+    }
+
+    #[test]
+    fn what_begins_at_an_edge_that_the_line_touches_behind_its_own_body_is_no_partner() {
+        let triangle = |points: [Point<2>; 3]| {
+            let block = CellBlock {
+                kind: CellKind::Tri3,
+                nodes: vec![0, 1, 2],
+                group: None,
+            };
+            Mesh::new(points.to_vec(), vec![block]).unwrap()
+        };
+        let own = triangle([[0.0, 0.0], [1.0, 1.0], [-1.0, 1.0]]);
+        // beside it, with a corner at its lower one; the lower side of that faces up
+        let beside = |x: f64| triangle([[x, 0.0], [x + 2.0, 0.5], [x + 2.0, 1.0]]);
+        let met = |x: f64| {
+            let other = beside(x);
+            let search = SideSearch::new(&own, &other, &other.boundary_facets());
+            search.opposite(up(0.0, 1.0), 2.0)
+        };
+        assert_eq!(met(0.0), None);
+        // a little to either side: beside the line, and the line enters it before
+        assert_eq!(met(0.1), None);
+        assert_eq!(met(-0.1), None);
+        // one in which the line begins is overlapped, up to its lower side
+        let around = triangle([[0.0, 0.0], [2.0, 0.5], [-2.0, 3.0]]);
+        let search = SideSearch::new(&own, &around, &around.boundary_facets());
+        let hit = search.opposite(up(0.1, 1.0), 2.0).unwrap();
+        assert!((hit.distance + 0.975).abs() < 1e-14, "{hit:?}");
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::mesh::{CellKind, Mesh};
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 use std::collections::BTreeSet;
 
-/// Simplices whose nearest points lie this near to each other, in parts of their distance and size, meet there.
+/// Simplices that are this near to a point, in parts of its distance and their size, meet there.
 const MEETING: f64 = 1e-9;
 
 /// Facets whose normals have a cosine below this, that of 30 degrees, meet at a corner, and do not approximate a curve there.
@@ -297,8 +297,9 @@ impl<const D: usize> Surrounding<D> {
         let length = distance(p, at);
         let reach = length + MEETING * (length + nearest.size());
         let around = self.simplices.locate_within_distance(p, reach * reach);
+        // their own nearest points are known to the root of rounding alone: they may part where the simplices meet
         let meets = |other: &&Simplex<D>| {
-            distance(other.closest(p), at) <= MEETING * (nearest.size() + other.size())
+            distance(other.closest(at), at) <= MEETING * (nearest.size() + other.size())
         };
         let outward = around
             .filter(meets)
@@ -521,6 +522,29 @@ mod tests {
                     ([0.1, 0.1, 0.1], 0.1),
                 ],
             );
+        }
+    }
+
+    #[test]
+    fn a_point_above_a_corner_is_outside_whatever_rounding_does_to_the_sides_there() {
+        // the sides at the corner (0, 0) lean by rounding: the points of both that are nearest to one far above it lie apart
+        let places = (0..60).flat_map(|k| {
+            let leans = [-1e-9, 0.0, 2.4e-9, 5e-9, 1e-8].into_iter();
+            leans.flat_map(move |lean| {
+                [-1e-9, 0.0, 2.5e-11, 1e-10, 1e-9].map(|x| (0.1 * f64::from(k), lean, x))
+            })
+        });
+        for (angle, lean, x) in places {
+            let (sine, cosine) = angle.sin_cos();
+            let turned = |[x, y]: Point<2>| [cosine * x - sine * y, sine * x + cosine * y];
+            let corners = [[0.0, -1.0], [1.0, -1.0], [1.0, lean], [0.0, 0.0]];
+            let block = crate::mesh::CellBlock {
+                kind: CellKind::Quad4,
+                group: None,
+                nodes: vec![0, 1, 2, 3],
+            };
+            let mesh = Mesh::new(corners.map(turned).to_vec(), vec![block]).unwrap();
+            depths(&mesh, &[(turned([x, 0.75]), -0.75)]);
         }
     }
 

@@ -3,11 +3,12 @@
 use crate::norms::difference;
 use dotyk::case::{AnyCase, Case};
 use dotyk::geometry::Point;
-use dotyk::mesh::{CellKind, Cuboid, Diagonals, Facet, Mesh, Rectangle};
+use dotyk::mesh::{CellBlock, CellKind, Cuboid, Diagonals, Facet, Mesh, Rectangle};
 use dotyk::model::{
     Active, BodyId, Contact, Elastic, Finding, FindingError, Law, Model, Pair, Solution,
 };
 use proptest::prelude::*;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 const STEEL: Elastic = Elastic {
@@ -578,7 +579,10 @@ fn a_written_contact_has_nothing_through_a_third_body() {
     let through = contact("through", "[\"a.top\", \"b.bottom\"]");
     let error = read(&format!("{LAYERS}{lower}{upper}{through}"));
     let error = error.model.solve().unwrap_err().to_string();
-    assert!(error.contains("another body"), "{error}");
+    assert!(
+        error.contains("another body") && error.contains("\"p\""),
+        "{error}"
+    );
     // what lies beside the middle one is not hidden
     let part = LAYERS.replace(
         "to = [4, 1.05], cells = [5, 1]",
@@ -594,6 +598,86 @@ fn a_written_contact_has_nothing_through_a_third_body() {
         .filter(|node| node.gap.is_finite())
         .map(|node| node.point[0]);
     assert!(taken.fold(f64::INFINITY, f64::min) > 2.6);
+}
+
+/// A table whose foot stands on a ground of one facet, between two blocks below its top.
+const TABLE: &str = r#"
+analysis = "plane-strain"
+[[body]]
+name = "ground"
+mesh = { rectangle = { from = [0, 0], to = [4, 1], cells = [1, 1] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[body]]
+name = "one"
+mesh = { rectangle = { from = [0, 1], to = [1.2, 1.4], cells = [4, 2] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[body]]
+name = "two"
+mesh = { rectangle = { from = [1.8, 1], to = [4, 1.4], cells = [6, 2] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[body]]
+name = "table"
+mesh = { outline = { size = 0.25, from = [1.3, 1], edges = [ { to = [1.7, 1], name = "foot" }, { to = [1.7, 1.5], name = "leg" }, { to = [4, 1.5], name = "right" }, { to = [4, 2], name = "end" }, { to = [0, 2], name = "top" }, { to = [0, 1.5], name = "end" }, { to = [1.3, 1.5], name = "left" }, { to = [1.3, 1], name = "leg" } ] } }
+material = { young = 1000, poisson = 0.3 }
+load = [{ side = "top", pressure = 0.01 }]
+fix = [{ side = "end", x = 0 }]
+[[contact]]
+name = "c"
+nonmortar = ["table.foot", "table.left", "table.right"]
+mortar = "ground.top"
+"#;
+
+#[test]
+fn a_facet_takes_part_where_another_one_alone_sees_it() {
+    // all that the ground sees from where it looks is the top of the table, behind the blocks
+    let solution = read(TABLE).model.solve().unwrap();
+    let contact = &solution.contacts[0];
+    // the load, to the tolerance of the balance
+    let off = (contact.resultant[1].abs() - 0.04).abs();
+    assert!(off < 1e-10, "{:?}", contact.resultant);
+}
+
+/// A wedge whose tip ends between two bodies, where they see each other past it; the slope of large facets.
+const TIP: &str = r#"
+analysis = "plane-strain"
+[[body]]
+name = "wedge"
+mesh = { outline = { size = 0.4, from = [1.00033, 1.4995], edges = [ { to = [1.00033, 0.001], name = "left" }, { to = [1.99933, 1.4995], name = "under" }, { to = [1.00033, 1.4995], name = "top" } ] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "top", x = 0, y = -0.005 }]
+[[body]]
+name = "slope"
+mesh = { outline = { size = 1, from = [1.99967, 1.499], edges = [ { to = [1.00067, 0.0005], name = "over" }, { to = [1.99967, 0.0005], name = "bottom" }, { to = [1.99967, 1.499], name = "right" } ] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "bottom", x = 0, y = 0 }]
+[[body]]
+name = "wall"
+mesh = { outline = { size = 0.2, from = [0.9995, 0.00075], edges = [ { to = [0.9995, 1.49925], name = "right" }, { to = [0.0005, 1.49925], name = "top" }, { to = [0.0005, 0.00075], name = "left" }, { to = [0.9995, 0.00075], name = "bottom" } ] } }
+material = { young = 1000, poisson = 0.3 }
+fix = [{ side = "left", x = 0, y = 0 }]
+"#;
+
+#[test]
+fn bodies_that_see_each_other_past_a_tip_alone_do_not_touch() {
+    for law in ["friction = 0.2", "tied = true", "gap = \"closed\""] {
+        let found =
+            format!("{TIP}[[contact]]\nname = \"c\"\nbodies = \"all\"\nreach = 0.05\n{law}\n");
+        let contact = |name: &str, sides: [&str; 2]| {
+            format!("[[contact]]\nname = \"{name}\"\nsides = {sides:?}\n{law}\n")
+        };
+        let written = [
+            TIP.to_string(),
+            contact("slope", ["wedge.under", "slope.over"]),
+            contact("wall", ["wedge.left", "wall.right"]),
+        ];
+        let written = written.concat();
+        let [a, b] = [written, found].map(|text| read(&text).model.solve().unwrap());
+        let off = difference(&a, &b);
+        assert!(off <= 1e-9, "{law}: {off:e}");
+    }
 }
 
 #[test]
@@ -645,6 +729,60 @@ fn curved_bodies_do_not_see_each_other_through_a_ring_between() {
                         whole.contains(&mesh.side(&side.side).unwrap()),
                         "{thin} {cells:?} {side:?}"
                     );
+                }
+            }
+        }
+    }
+}
+
+/// A cube as six tetrahedra around its diagonal, of which the bodies have some each.
+fn divided_cube(bodies: &[&[usize]]) -> Model<3> {
+    let corner = |k: usize| -> Point<3> { [0, 1, 2].map(|d| ((k >> d) & 1) as f64) };
+    let tetrahedra = [
+        [0, 1, 3, 7],
+        [0, 3, 2, 7],
+        [0, 2, 6, 7],
+        [0, 6, 4, 7],
+        [0, 4, 5, 7],
+        [0, 5, 1, 7],
+    ];
+    let mut model = Model::<3>::new();
+    for (k, own) in bodies.iter().enumerate() {
+        let corners: Vec<usize> = own.iter().flat_map(|&t| tetrahedra[t]).collect();
+        let used: BTreeSet<usize> = corners.iter().copied().collect();
+        let place = |node: &usize| used.range(..node).count() as u32;
+        let block = CellBlock {
+            kind: CellKind::Tet4,
+            nodes: corners.iter().map(place).collect(),
+            group: None,
+        };
+        let points = used.iter().map(|&node| corner(node)).collect();
+        let mesh = Mesh::new(points, vec![block]).unwrap();
+        model.body(&format!("b{k}"), mesh, STEEL);
+    }
+    model
+}
+
+#[test]
+fn the_outside_of_a_divided_cube_faces_nothing() {
+    let divisions: [&[&[usize]]; 4] = [
+        &[&[0, 1, 5], &[2], &[3, 4]],
+        &[&[0, 1], &[2, 3], &[4, 5]],
+        &[&[0], &[1], &[2], &[3], &[4], &[5]],
+        &[&[0, 1, 2], &[3, 4, 5]],
+    ];
+    for bodies in divisions {
+        let mut model = divided_cube(bodies);
+        model
+            .find_contacts(&finding("c", 0..bodies.len(), Some(0.01)))
+            .unwrap();
+        for body in &model.bodies {
+            let own = body.mesh.sides().iter();
+            for (side, facets) in own.filter(|(side, _)| side.starts_with("contact-")) {
+                for &facet in facets {
+                    let middle = body.mesh.facet_point(facet, &[1.0 / 3.0, 1.0 / 3.0]);
+                    let inside = middle.iter().all(|c| 1e-9 < *c && *c < 1.0 - 1e-9);
+                    assert!(inside, "{}.{side}: {middle:?}", body.name);
                 }
             }
         }

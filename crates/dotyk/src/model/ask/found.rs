@@ -3,7 +3,7 @@
 //! The facets of a body that face another one are a side of it: one that it has, or several of its sides together, if these are the same
 //! facets; else a new side "contact-b" of body a. What is found is written into the model as any contact with `sides`.
 
-use crate::contact::{Faced, Neighbours};
+use crate::contact::{Faced, Neighbours, Sight};
 use crate::fem::{Active, Body};
 use crate::mesh::{Facet, Mesh, MeshError};
 use crate::model::nouns::finding::{Finding, FindingError, Found};
@@ -193,7 +193,11 @@ fn look<const D: usize>(
         active.from <= both.from && active.until >= both.until
     };
     let (staying, passing): (Vec<usize>, Vec<usize>) = others.filter(meets).partition(stays);
-    let faced = neighbours.faced(pair, finding.reach, &staying);
+    let sight = match finding.is_closed_anywhere() {
+        true => Sight::Middle,
+        false => Sight::Any,
+    };
+    let faced = neighbours.faced(pair, finding.reach, &staying, sight);
     if faced.facets[0].is_empty() {
         let deep = neighbours.depth(pair);
         let active = finding.active;
@@ -206,7 +210,7 @@ fn look<const D: usize>(
     }
     let hides = |other: &usize| {
         let between: Vec<usize> = staying.iter().copied().chain([*other]).collect();
-        let left = neighbours.faced(pair, Some(faced.reach), &between);
+        let left = neighbours.faced(pair, Some(faced.reach), &between, sight);
         left.facets[0].is_empty()
     };
     let mut active = finding.active;

@@ -31,6 +31,12 @@ impl Finding {
     pub fn name_of(&self, [a, b]: [&str; 2]) -> String {
         format!("{}-{a}-{b}", self.name)
     }
+
+    /// Whether its contacts do not ask how far apart their sides are: ties, and gaps that are given.
+    pub(crate) fn is_closed_anywhere(&self) -> bool {
+        let given = matches!(self.gap, Some(Gap::Closed | Gap::Given(_)));
+        given || matches!(self.law, Law::Tied)
+    }
 }
 
 /// What came of a [`Finding`].
