@@ -353,7 +353,7 @@ fn check_normals<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>, 
         if turned || row.gap.is_nan() {
             continue;
         }
-        // the normal of one of the faces that meet at the node, or their mean
+        // the normal of one of the faces that meet at the node, or their mean; at a corner against what it meets
         let faces = touch.skin.normals_at(row.node);
         let off = faces
             .chain(samples.iter().map(|s| s.normal))
@@ -361,6 +361,17 @@ fn check_normals<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>, 
             .map(|n| length(minus(row.normal, n)));
         let off = off.fold(f64::INFINITY, f64::min);
         let limit = 1.1 * touch.skin.turn + 1e-6;
+        let corner = view.answer.meshes[touch.own].points[row.node];
+        let met = touch.opposite.as_ref().and_then(|opposite| {
+            let hit = opposite.hit(corner, row.normal, opposite.longest)?;
+            let own = &opposite.facets[hit.facet];
+            Some(length(plus(
+                row.normal,
+                1.0,
+                opposite.normal(hit.facet, &own.at(hit.xi)),
+            )))
+        });
+        let off = off.min(met.unwrap_or(f64::INFINITY));
         judgement.compare("normal", off, limit, || view.node(touch.own, row.node));
     }
 }

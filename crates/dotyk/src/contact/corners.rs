@@ -16,11 +16,11 @@ use crate::contact::curved::true_surface;
 use crate::contact::normals::{Normals, ends};
 use crate::contact::obstacle::Rigid;
 use crate::contact::relative::free_part;
-use crate::contact::search::Line;
+use crate::contact::search::{Hit, Line};
 use crate::contact::weights::{NodalWeight, nodal_weights};
 use crate::contact::{ContactError, End};
 use crate::fem::Analysis;
-use crate::geometry::{Groups, Point, add_scaled, distance, dot, unit};
+use crate::geometry::{Groups, Point, add_scaled, distance, dot, sub, unit};
 use crate::linalg::signed::least_squares_nonnegative;
 use crate::mesh::{Facet, SHARP};
 use std::collections::{BTreeMap, BTreeSet};
@@ -200,25 +200,43 @@ fn nearest_in_cone<const D: usize>(
 /// Directions that differ by less are the same.
 const SAME_DIRECTION: f64 = 1e-9;
 
+/// A corner is touched first only by what lies between its faces or, with a cosine above this, beside: there its neighbours are nearer by
+/// a sixth of a facet.
+const TOUCHED: f64 = 0.985;
+
 /// So many lines find the nearest place of a surface that bends away, or it is too far away to be touched.
 const LINES: usize = 30;
 
-/// The directions of nodes at the ends of a side, or of a smooth part of it, that meet the opposite between the faces of the body there:
-/// along the normal of the opposite, or that of the cone of the faces which is nearest to it. `met` gives the direction against the
-/// surface which a line from a facet meets. With a facet of the side there. What is held against it does not lean: a plane of symmetry is no face.
+/// A corner that meets the opposite between the faces of its body.
+pub(super) struct Leaning<const D: usize> {
+    /// A facet of the side there.
+    pub facet: Facet,
+    /// Its normal on the side.
+    pub upright: Point<D>,
+    /// The direction in which it meets the opposite.
+    pub direction: Point<D>,
+    /// The line along which it was found, that direction or, where this passes the end of the surface that is met, one beside, and where
+    /// that meets it.
+    pub along: Point<D>,
+    pub hit: Hit,
+}
+
+/// What a line from a facet meets, of the smooth surface of another facet if one is given, and the direction against the surface there.
+pub(super) type Meets<'a, const D: usize> =
+    dyn Fn(Facet, Line<D>, Option<Facet>) -> Option<(Hit, Point<D>)> + 'a;
+
+/// Nodes at the ends of a side, or of a smooth part of it, that meet the opposite between the faces of the body there: against the
+/// surface which the line along their normal meets, at its nearest place, or along that direction in the cone of the faces that fall off
+/// there which is nearest to it. What is held against it does not lean: a plane of symmetry is no face.
 ///
 /// Errors: unknown or empty sides.
 pub(super) fn leaning<const D: usize>(
     end: End<'_, D>,
     normals: &Normals<'_, D>,
-    met: impl Fn(Facet, Line<D>) -> Option<Point<D>>,
-) -> Result<BTreeMap<usize, (Facet, Point<D>)>, ContactError> {
+    meets: &Meets<'_, D>,
+) -> Result<BTreeMap<usize, Leaning<D>>, ContactError> {
     let (mesh, own) = (&end.body.mesh, end.facets()?);
     let (ends, nodal) = (ends(mesh, own), normals.nodal());
-    let line = |node: usize, direction| Line {
-        start: mesh.points()[node],
-        direction,
-    };
     let mut oblique: BTreeMap<usize, (Facet, Vec<Point<D>>)> = BTreeMap::new();
     for &facet in own {
         for node in mesh.facet_nodes(facet).filter(|node| ends.contains(node)) {
@@ -226,56 +244,99 @@ pub(super) fn leaning<const D: usize>(
             let Some(&normal) = nodal.get(&node) else {
                 continue;
             };
-            let met = met(facet, line(node, normal));
-            if met.is_some_and(|met| distance(met, normal) > SAME_DIRECTION) {
+            let (start, direction) = (mesh.points()[node], normal);
+            let met = meets(facet, Line { start, direction }, None);
+            if met.is_some_and(|(_, against)| distance(against, normal) > SAME_DIRECTION) {
                 oblique.entry(node).or_insert((facet, vec![normal]));
             }
         }
     }
-    if oblique.is_empty() {
-        return Ok(BTreeMap::new());
+    if !oblique.is_empty() {
+        add_faces(end, own, &mut oblique);
     }
+    let leans = |(node, (facet, faces)): (usize, (Facet, Vec<Point<D>>))| {
+        Some((node, towards(end, (node, facet), &faces, meets)?))
+    };
+    Ok(oblique.into_iter().filter_map(leans).collect())
+}
+
+/// Adds the normals of the faces of a body that fall off from some of its nodes, beside those of a side there.
+fn add_faces<const D: usize>(
+    end: End<'_, D>,
+    own: &[Facet],
+    nodes: &mut BTreeMap<usize, (Facet, Vec<Point<D>>)>,
+) {
+    let mesh = &end.body.mesh;
     let faces = |side: &String| mesh.side(side).unwrap_or_default();
     let cut = end.body.cyclic.iter().flat_map(|c| [&c.from, &c.to]);
     let inside: BTreeSet<&Facet> = cut.flat_map(faces).chain(own).collect();
-    for facet in mesh.boundary_facets() {
-        if inside.contains(&facet) {
-            continue;
-        }
-        let places = mesh.facet_kind(facet).reference_nodes();
-        for (node, xi) in mesh.facet_nodes(facet).zip(places) {
-            if let Some((_, faces)) = oblique.get_mut(&(node as usize)) {
-                faces.extend(unit(mesh.outward_normal(facet, xi)));
-            }
+    let outside = mesh.boundary_facets().into_iter();
+    for facet in outside.filter(|facet| !inside.contains(facet)) {
+        let kind = mesh.facet_kind(facet);
+        let middle = mesh.facet_point(facet, &kind.domain().centre());
+        for (node, xi) in mesh.facet_nodes(facet).zip(kind.reference_nodes()) {
+            let Some((_, faces)) = nodes.get_mut(&(node as usize)) else {
+                continue;
+            };
+            // the far face of a hollow corner is met by itself
+            let falls_off = dot(sub(middle, mesh.points()[node as usize]), faces[0]) < 0.0;
+            faces.extend(unit(mesh.outward_normal(facet, xi)).filter(|_| falls_off));
         }
     }
-    let leans = |(node, (facet, faces)): (usize, (Facet, Vec<Point<D>>))| {
-        let held = end.constraints.at(node);
-        let normal = faces[0];
-        let (mut direction, mut last) = (normal, f64::INFINITY);
-        for _ in 0..LINES {
-            let against = met(facet, line(node, direction))?;
-            let nearest = nearest_in_cone(faces.iter().copied(), against).0?;
-            let along = dot(nearest, normal);
-            let lean = add_scaled(nearest, -along, normal);
-            let lean = free_part(lean, held.iter().map(|h| h.axis))
-                .map_or([0.0; D], |free| free.map(|c| c * dot(free, lean)));
-            let next = unit(add_scaled(lean, along, normal))?;
-            let step = distance(next, direction);
-            if step <= SAME_DIRECTION {
-                let leans = distance(next, normal) > SAME_DIRECTION;
-                return leans.then_some((node, (facet, next)));
-            }
-            // a roller of the radius R at the distance s turns the error of the direction over, s/R times as large
-            direction = match step > 0.5 * last {
-                true => unit(add_scaled(direction, 1.0, next))?,
-                false => next,
-            };
-            last = step;
-        }
-        None
+}
+
+/// How a corner of these faces, that of the side first, leans; `None` if it does not.
+fn towards<const D: usize>(
+    end: End<'_, D>,
+    (node, facet): (usize, Facet),
+    faces: &[Point<D>],
+    meets: &Meets<'_, D>,
+) -> Option<Leaning<D>> {
+    let (start, upright) = (end.body.mesh.points()[node], faces[0]);
+    let held = end.constraints.at(node);
+    let free = |lean: Point<D>| {
+        free_part(lean, held.iter().map(|h| h.axis))
+            .map_or([0.0; D], |free| free.map(|c| c * dot(free, lean)))
     };
-    Ok(oblique.into_iter().filter_map(leans).collect())
+    let nearest = |against: Point<D>| {
+        let nearest = nearest_in_cone(faces.iter().copied(), against).0?;
+        // beyond the faces the body goes on towards what is met: a neighbour is nearer
+        if dot(nearest, against) < TOUCHED {
+            return Some(upright);
+        }
+        let along = dot(nearest, upright);
+        let lean = free(add_scaled(nearest, -along, upright));
+        unit(add_scaled(lean, along, upright))
+    };
+    let (mut direction, mut last) = (upright, f64::INFINITY);
+    let mut found: Option<Leaning<D>> = None;
+    for _ in 0..LINES {
+        let of = found.as_ref().map(|found| found.hit.facet);
+        let Some((hit, against)) = meets(facet, Line { start, direction }, of) else {
+            // past its end, or past a small roller
+            direction = unit(add_scaled(direction, 1.0, found.as_ref()?.along))?;
+            continue;
+        };
+        let next = nearest(against)?;
+        let step = distance(next, direction);
+        found = Some(Leaning {
+            facet,
+            upright,
+            direction: next,
+            along: direction,
+            hit,
+        });
+        if step <= SAME_DIRECTION {
+            break;
+        }
+        // a roller of the radius R at the distance s turns the error of the direction over, s/R times as large
+        direction = match step > 0.5 * last {
+            true => unit(add_scaled(direction, 1.0, next))?,
+            false => next,
+        };
+        last = step;
+    }
+    found.filter(|found| distance(found.direction, upright) > SAME_DIRECTION)
 }
 
 #[cfg(test)]

@@ -56,7 +56,7 @@ use crate::contact::functions::{Basis, Cell, Cover, FUNCTIONS, Piece, cells, fun
 use crate::contact::lever::Lever;
 use crate::contact::opposite::{Corner, Found, Opposite, shape};
 use crate::contact::relative::{
-    Relative, axes, carried, frame, free_part, separates, tangents_along,
+    Relative, axes, carried, frame, free_part, separates, tangents_along, turned,
 };
 use crate::contact::search::{Hit, meet};
 use crate::contact::share::{GapAt, Share, Station, Sums};
@@ -163,8 +163,10 @@ struct Pairing<'a, const D: usize> {
     looks: BTreeMap<usize, Place>,
     /// Corners that meet the other side between their faces.
     corners: BTreeMap<usize, Corner<D>>,
-    /// Normal and tangents at the nodes; at these corners the direction in which they meet the other side.
+    /// Normal and tangents at the nodes.
     frames: BTreeMap<usize, [Point<D>; D]>,
+    /// The same with the directions of the corners.
+    leaning: BTreeMap<usize, [Point<D>; D]>,
     cyclic: bool,
 }
 
@@ -213,6 +215,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let mut pairing = Self {
             corners,
             frames: BTreeMap::new(),
+            leaning: BTreeMap::new(),
             looks: BTreeMap::new(),
             sides,
             coupling,
@@ -223,7 +226,13 @@ impl<'a, const D: usize> Pairing<'a, D> {
         };
         let pieces = cut(&pairing.sides, &pairing.cells);
         pairing.looks = pairing.looks(&pieces);
-        pairing.frames = pairing.frames();
+        let mut normals = pairing.sides.normals.nodal();
+        pairing.frames = pairing.frames(&normals);
+        if !pairing.corners.is_empty() {
+            let corners = pairing.corners.iter();
+            normals.extend(corners.map(|(&node, corner)| (node, corner.at.normal)));
+            pairing.leaning = pairing.frames(&normals);
+        }
         Ok((pairing, pieces))
     }
 
@@ -261,10 +270,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
     /// Normal and tangents at the nodes. A node and those that take its shear must have the same tangents: under friction those of an
     /// oblique direction held somewhere, in a tie those of no supports or, where these are not among them, of a direction held somewhere.
     /// Without one, or if other supports disagree with it, they follow the supports of the node.
-    fn frames(&self) -> BTreeMap<usize, [Point<D>; D]> {
-        let mut normals = self.sides.normals.nodal();
-        let corners = self.corners.iter();
-        normals.extend(corners.map(|(&node, corner)| (node, corner.at.normal)));
+    fn frames(&self, normals: &BTreeMap<usize, Point<D>>) -> BTreeMap<usize, [Point<D>; D]> {
         let normal = |node: usize| normals.get(&node).copied().unwrap_or([0.0; D]);
         let oblique =
             |&(node, _): &(usize, _)| self.relative(node, &self.looks).oblique(normal(node));
@@ -658,18 +664,19 @@ impl<'a, const D: usize> Pairing<'a, D> {
                             share.extent += parts[k] * station.extent;
                         }
                         let weight = psi[k] * station.area;
-                        let leans = self.corners.contains_key(&node);
-                        let frame = match leans {
-                            true => self.frames[&node],
-                            false => carried(self.frames[&node], station.at.normal),
+                        let (corner, normal) = (self.corner(node, faced), station.at.normal);
+                        // a corner leans on all of its facets as it does at the node
+                        let frame = match corner {
+                            Some(corner) => turned(self.leaning[&node], corner.upright, normal),
+                            None => carried(self.frames[&node], normal),
                         };
                         let kept = components.iter().filter(|&&c| kept[&node][c]);
                         for &component in kept.filter(|_| weight != 0.0) {
                             let along = (component, frame[component]);
-                            let lever = lever.as_ref().filter(|_| component > 0 || leans);
+                            let lever =
+                                lever.as_ref().filter(|_| component > 0 || corner.is_some());
                             share.add(along, weight, station, lever);
                             if component == 0 && matches!(basis, Basis::Hats) {
-                                let corner = self.corner(node, faced);
                                 let at = corner.map(|corner| GapAt::Place(corner.at.clone()));
                                 share.take_gap(at.unwrap_or(GapAt::Station(index)), weight);
                             }
@@ -800,6 +807,7 @@ impl<'a, const D: usize> Pairing<'a, D> {
         let among = |other: Facet| sheet.facets.contains(&other);
         if let Some(corner) = self.corner(node, &sheet.facets) {
             let at = &corner.at;
+            entry.frame = self.leaning[&node];
             (entry.opposite, entry.clearance) = (at.opposite.clone(), at.gap);
             entry.shares.at_node = Some(interface.points.len());
             interface.points.push(at.clone());

@@ -13,7 +13,7 @@ use crate::contact::curved::true_surface;
 use crate::contact::relative::free_part;
 use crate::contact::{ContactError, End};
 use crate::fem::{TrueSurface, Twins};
-use crate::geometry::{Point, add_scaled, dot, unit};
+use crate::geometry::{Point, add_scaled, dot, sub, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh, SHARP};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -97,6 +97,23 @@ impl<'a, const D: usize> Normals<'a, D> {
         match self.leaning.contains(&facet) {
             true => normal,
             false => self.surface.along(facet, xi, normal),
+        }
+    }
+
+    /// Normal of the surface at ξ of a facet for what comes near from outside: that of the facet itself where it is hollow, since two such
+    /// facets are two walls.
+    pub fn nearby(&self, facet: Facet, xi: &[f64]) -> Point<D> {
+        let kind = self.mesh.facet_kind(facet);
+        let middle = self.mesh.facet_point(facet, &kind.domain().centre());
+        let nodes = self.mesh.facet_points(facet).zip(&self.at_nodes[&facet]);
+        let spread = |(point, &normal): (Point<D>, &Point<D>)| dot(normal, sub(point, middle));
+        match nodes.map(spread).sum::<f64>() < 0.0 {
+            true => {
+                let own = unit(self.mesh.outward_normal(facet, xi));
+                self.surface
+                    .along(facet, xi, own.unwrap_or_else(|| self.at(facet, xi)))
+            }
+            false => self.at(facet, xi),
         }
     }
 

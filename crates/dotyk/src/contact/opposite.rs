@@ -1,13 +1,13 @@
 //! The opposite of a side: the line along its contact normal, the facet that it meets, and the gap in between.
 
-use crate::contact::corners::leaning;
+use crate::contact::corners::{leaning, surfaces};
 use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
 use crate::contact::obstacle::{Rigid, beyond, finite_gap};
 use crate::contact::search::{Hit, Line, SideSearch};
 use crate::contact::{Against, ContactError, End, GapPoint, InitialGap};
 use crate::fem::TrueSurface;
-use crate::geometry::{Point, add_scaled};
+use crate::geometry::{Point, add_scaled, dot, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -81,28 +81,54 @@ impl<'a, const D: usize> Opposite<'a, D> {
         let Against::Side(mortar) = self.against else {
             return Ok(BTreeMap::new());
         };
-        let other = Normals::new(mortar, mortar.facets()?)?;
-        let met = |facet: Facet, line: Line<D>| {
-            let hit = self.facing(facet, line)?;
-            Some(other.at(hit.facet, &hit.xi).map(|c| -c))
+        let (other, facets) = (Normals::new(mortar, mortar.facets()?)?, mortar.facets()?);
+        let surfaces = surfaces(mortar)?.first;
+        let surface_of: BTreeMap<Facet, usize> = facets.iter().copied().zip(surfaces).collect();
+        let meets = |facet: Facet, line: Line<D>, of: Option<Facet>| {
+            let shallow = self.mesh().facet_length(facet);
+            let on = |other: Facet| of.is_none_or(|of| surface_of[&of] == surface_of[&other]);
+            let search = self.search.as_ref()?;
+            let mut hit = search.opposite_among(line, shallow, on)?;
+            // where several facets meet, the one most nearly opposed
+            let opposed = |facet: Facet| {
+                let own = mortar.body.mesh.outward_normal(facet, &[0.0; 2]);
+                -dot(unit(own).unwrap_or([0.0; D]), line.direction)
+            };
+            while let Some(other) = search.opposite_among(line, shallow, |facet| {
+                of.is_none() && opposed(facet) > opposed(hit.facet) + SAME_DISTANCE
+            }) && (other.distance - hit.distance).abs() <= SAME_DISTANCE * shallow
+            {
+                hit = other;
+            }
+            Some((hit, other.nearby(hit.facet, &hit.xi).map(|c| -c)))
         };
         let mut corners = BTreeMap::new();
-        for (node, (facet, direction)) in leaning(self.nonmortar, &self.normals, met)? {
-            let start = self.mesh().points()[node];
-            let line = Line { start, direction };
-            let hit = self.facing(facet, line);
-            let Some(hit) = hit.filter(|_| !self.common.contains(&node)) else {
+        for (node, found) in leaning(self.nonmortar, &self.normals, &meets)? {
+            if self.common.contains(&node) {
                 continue;
-            };
+            }
+            let (start, hit) = (self.mesh().points()[node], found.hit);
+            let direction = found.along;
+            let away = self.gap_at(found.facet, Line { start, direction }, hit)?;
             let place = hit.xi.map(|c| c.clamp(-1.0, 1.0));
             let at = GapPoint {
                 own: vec![(node, 1.0)],
                 opposite: shape(&mortar.body.mesh, hit.facet, &place),
-                normal: direction,
-                gap: self.gap_at(facet, line, hit)?,
+                normal: found.direction,
+                gap: match self.gap {
+                    // to the plane that touches the surface there
+                    InitialGap::Measured | InitialGap::Adjusted(_) => {
+                        away * dot(direction, found.direction)
+                    }
+                    InitialGap::Closed | InitialGap::Given(_) => away,
+                },
             };
-            let facet = hit.facet;
-            corners.insert(node, Corner { at, facet });
+            let corner = Corner {
+                at,
+                upright: found.upright,
+                facet: hit.facet,
+            };
+            corners.insert(node, corner);
         }
         Ok(corners)
     }
@@ -234,6 +260,8 @@ fn rise<const D: usize>(surface: &Option<TrueSurface<'_, D>>, facet: Facet, line
 pub(super) struct Corner<const D: usize> {
     /// It and the place that it meets, along the direction there.
     pub at: GapPoint<D>,
+    /// Its normal on the side.
+    pub upright: Point<D>,
     /// The facet of that place.
     pub facet: Facet,
 }

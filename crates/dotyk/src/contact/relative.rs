@@ -69,11 +69,24 @@ pub(super) fn separates<const D: usize>(frame: &[Point<D>; D], held: &[Point<D>]
 
 /// A frame carried to another normal nearby, by the smallest rotation.
 pub(super) fn carried<const D: usize>(frame: [Point<D>; D], normal: Point<D>) -> [Point<D>; D] {
-    let both = add_scaled(frame[0], 1.0, normal);
-    let scale = 1.0 / (1.0 + dot(frame[0], normal));
-    let mut carried = frame.map(|axis| add_scaled(axis, -scale * dot(axis, normal), both));
+    let mut carried = turned(frame, frame[0], normal);
     carried[0] = normal;
     carried
+}
+
+/// A frame after the smallest rotation that takes one unit vector to another: v − (v·b)(a + b)/(1 + a·b) + (v·a) times what that takes
+/// from a itself.
+pub(super) fn turned<const D: usize>(
+    frame: [Point<D>; D],
+    from: Point<D>,
+    to: Point<D>,
+) -> [Point<D>; D] {
+    let both = add_scaled(from, 1.0, to);
+    let scale = 1.0 / (1.0 + dot(from, to));
+    frame.map(|axis| {
+        let parts = scale * (dot(axis, from) + dot(axis, to));
+        add_scaled(add_scaled(axis, -parts, both), 2.0 * dot(axis, from), to)
+    })
 }
 
 /// Constraints by supports on the relative motion of two opposite points; orthonormal directions.

@@ -82,6 +82,10 @@ fn a_contact_goes_on_over_a_cut() {
         }
         let [cut, whole] = [cut, whole].map(|s| s.contacts[0].resultant);
         assert!((cut[1] - whole[1]).abs() < 1e-9);
+        // without friction nothing else holds the part that the bolt draws
+        if friction == 0.0 {
+            continue;
+        }
         // a bolt that is locked does not exchange its force with the friction beside it
         let drawn = pressed(swapped, friction, &format!("{stud}prestress = 0.1\n"));
         for step in &drawn {

@@ -670,8 +670,8 @@ fn bodies_that_see_each_other_past_a_tip_alone_do_not_touch() {
         };
         let written = [
             TIP.to_string(),
-            contact("slope", ["wedge.under", "slope.over"]),
-            contact("wall", ["wedge.left", "wall.right"]),
+            contact("below", ["wedge.under", "slope.over"]),
+            contact("beside", ["wedge.left", "wall.right"]),
         ];
         let written = written.concat();
         let [a, b] = [written, found].map(|text| read(&text).model.solve().unwrap());
@@ -802,4 +802,35 @@ fn bodies_that_overlap_by_more_than_the_reach_are_told() {
         .any(|w| w.contains("overlap at first by 4.0000e-1"));
     assert!(told, "{:?}", case.warnings);
     assert!(!names(&case.model).contains(&"c-base-two"));
+}
+
+/// A block lies flush on the floor of a pocket beside a wall that leans away, with a clearance or none: its corner has the conditions of
+/// both faces of the pocket, as two contacts have them.
+#[test]
+fn a_corner_on_a_floor_does_not_lose_the_wall_beside_it() {
+    for (clearance, degrees) in [(5e-4, 20.0f64), (0.0, 20.0), (5e-4, 40.0)] {
+        let foot = 1.0 + clearance;
+        let [top, up] = [
+            foot + degrees.to_radians().sin(),
+            degrees.to_radians().cos(),
+        ];
+        let bodies = format!(
+            "analysis = \"plane-strain\"\n[[body]]\nname = \"p\"\n\
+             mesh = {{ outline = {{ size = 0.3, from = [-1, 0], edges = [{{ to = [{foot:?}, 0], name = \"floor\" }}, \
+             {{ to = [{top:?}, {up:?}], name = \"wall\" }}, {{ to = [3, {up:?}] }}, {{ to = [3, -1], name = \"far\" }}, \
+             {{ to = [-1, -1], name = \"base\" }}, {{ to = [-1, 0] }}] }} }}\n\
+             material = {{ young = 1e6, poisson = 0.3 }}\n\
+             fix = [{{ side = \"base\", x = 0, y = 0 }}, {{ side = \"far\", x = 0, y = 0 }}]\n\
+             [[body]]\nname = \"b\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [4, 4], cell = \"quad8\" }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\nload = [{{ side = \"top\", traction = [0.3, -1] }}]\n"
+        );
+        let one = "[[contact]]\nname = \"c\"\nnonmortar = [\"b.bottom\", \"b.right\"]\nmortar = [\"p.floor\", \"p.wall\"]\n";
+        let two = "[[contact]]\nname = \"c\"\nnonmortar = \"b.bottom\"\nmortar = \"p.floor\"\n\
+                   [[contact]]\nname = \"d\"\nnonmortar = \"b.right\"\nmortar = \"p.wall\"\n";
+        let [one, two] =
+            [one, two].map(|contacts| read(&format!("{bodies}{contacts}")).model.solve().unwrap());
+        let off = difference(&one, &two);
+        assert!(off < 1e-6, "{clearance} {degrees}: {off}");
+    }
 }

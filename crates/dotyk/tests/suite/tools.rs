@@ -205,6 +205,53 @@ fn corner(angle: f64, listed: &str, friction: f64, cell: &str, flat: bool) -> So
     plane(&text).remove(0)
 }
 
+/// Where an outline drives the corner of a block at (1, 1), held left and below, and its resultant.
+fn driven(outline: &str) -> [[f64; 2]; 2] {
+    let text = format!(
+        "analysis = \"plane-strain\"\n[[body]]\nname = \"a\"\n\
+         mesh = {{ rectangle = {{ from = [0, 0], to = [1, 1], cells = [3, 3], cell = \"quad4\" }} }}\n\
+         material = {{ young = 1000, poisson = 0.3 }}\n\
+         fix = [{{ side = \"left\", x = 0 }}, {{ side = \"bottom\", x = 0, y = 0 }}]\n\
+         [[contact]]\nname = \"c\"\nnonmortar = [\"a.top\", \"a.right\"]\n\
+         obstacle = {{ outline = {outline}, displacement = [-0.003, -0.004] }}\n"
+    );
+    let case = read::<2>(&text, Path::new("."));
+    let corner = case.model.bodies[0].mesh.points().iter();
+    let corner = corner.clone().position(|&x| distance(x, [1.0, 1.0]) < 1e-9);
+    let solution = case.model.solve_steps().unwrap().remove(0);
+    let u = solution.bodies[0].displacement[corner.unwrap()];
+    [u, solution.contacts[0].resultant]
+}
+
+#[test]
+fn a_corner_in_a_pocket_has_a_condition_for_each_wall() {
+    // a wall on the right, a ceiling that comes down to it by 20 degrees: both are touched, or one of them 0.001 away
+    let (slope, reach) = (f64::tan(f64::to_radians(20.0)), 2.8);
+    for (wall, ceiling) in [(0.0, 0.001), (0.0, 0.0), (0.001, 0.0), (0.001, 0.001)] {
+        let foot = 1.0 + ceiling / f64::cos(f64::to_radians(20.0));
+        let end = foot - slope * wall;
+        let x = 1.0 + wall;
+        let outline = format!(
+            "[[{:?}, {:?}], [{x:?}, {end:?}], [{x:?}, {:?}]]",
+            x - reach,
+            end + slope * reach,
+            end - reach
+        );
+        let [u, _] = driven(&outline);
+        // both are reached: the walls have moved by (−0.003, −0.004), and with them the lines on which the corner lies
+        let right = wall - 0.003;
+        let above = (foot - 1.0) - 0.004 - slope * (u[0] + 0.003);
+        assert!((u[0] - right).abs() < 1e-6, "{wall} {ceiling}: {u:?}");
+        assert!(
+            (u[1] - above).abs() < 1e-6,
+            "{wall} {ceiling}: {u:?} {above}"
+        );
+    }
+    // at the apex of a shallow groove both of its faces are touched: the corner goes with it
+    let [u, _] = driven("[[-1.598076211353316, 2.5], [1.0, 1.0], [2.5, -1.598076211353316]]");
+    assert!(distance(u, [-0.003, -0.004]) < 1e-9, "{u:?}");
+}
+
 #[test]
 fn a_corner_meets_an_inclined_face_along_its_normal() {
     for (angle, friction, cell) in [
