@@ -336,6 +336,9 @@ fn check_equilibrium<const D: usize>(judgement: &mut Judgement, view: &View<'_, 
     }
 }
 
+/// A corner may lean by ten degrees less than to the normal of what it meets, where its own faces end.
+const BESIDE: f64 = 0.175;
+
 /// Normals of the rows; a support along an axis turns them into the directions that it leaves free.
 fn check_normals<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>, c: usize) {
     let touch = &view.touches[c];
@@ -371,7 +374,7 @@ fn check_normals<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>, 
                 opposite.normal(hit.facet, &own.at(hit.xi)),
             )))
         });
-        let off = off.min(met.unwrap_or(f64::INFINITY));
+        let off = off.min(met.map_or(f64::INFINITY, |met| (met - BESIDE).max(0.0)));
         judgement.compare("normal", off, limit, || view.node(touch.own, row.node));
     }
 }

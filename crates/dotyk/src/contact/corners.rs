@@ -308,7 +308,7 @@ fn towards<const D: usize>(
         let lean = free(add_scaled(nearest, -along, upright));
         unit(add_scaled(lean, along, upright))
     };
-    let (mut direction, mut last) = (upright, f64::INFINITY);
+    let (mut direction, mut last, mut halved) = (upright, f64::INFINITY, false);
     let mut found: Option<Leaning<D>> = None;
     for _ in 0..LINES {
         let of = found.as_ref().map(|found| found.hit.facet);
@@ -330,7 +330,8 @@ fn towards<const D: usize>(
             break;
         }
         // a roller of the radius R at the distance s turns the error of the direction over, s/R times as large
-        direction = match step > 0.5 * last {
+        halved |= step > 0.5 * last;
+        direction = match halved {
             true => unit(add_scaled(direction, 1.0, next))?,
             false => next,
         };
