@@ -198,13 +198,14 @@ fn nearest_in_cone<const D: usize>(
 }
 
 /// Directions that differ by less are the same.
-const SAME_DIRECTION: f64 = 1e-9;
+pub(super) const SAME_DIRECTION: f64 = 1e-9;
 
 /// A corner is touched first only by what lies between its faces or, with a cosine above this, beside: there its neighbours are nearer by
 /// a sixth of a facet.
 const TOUCHED: f64 = 0.985;
 
-/// So many lines find the nearest place of a surface that bends away, or it is too far away to be touched.
+/// So many lines find the nearest place of a surface that bends away, each at least a third of a digit more where it is within twice the
+/// radius; else the last one that met it counts.
 const LINES: usize = 30;
 
 /// A corner that meets the opposite between the faces of its body.
@@ -252,12 +253,32 @@ pub(super) fn leaning<const D: usize>(
         }
     }
     if !oblique.is_empty() {
+        // where the body goes on behind a cut of its mesh there is no corner
+        let alone = alone(mesh.points(), oblique.keys().copied());
+        oblique.retain(|node, _| alone.contains(node));
         add_faces(end, own, &mut oblique);
     }
     let leans = |(node, (facet, faces)): (usize, (Facet, Vec<Point<D>>))| {
         Some((node, towards(end, (node, facet), &faces, meets)?))
     };
     Ok(oblique.into_iter().filter_map(leans).collect())
+}
+
+/// Those of some nodes that coincide with no other one.
+fn alone<const D: usize>(
+    points: &[Point<D>],
+    nodes: impl Iterator<Item = usize>,
+) -> BTreeSet<usize> {
+    let bits = |x: Point<D>| x.map(|c| (c + 0.0).to_bits());
+    let mut at: BTreeMap<[u64; D], (usize, usize)> =
+        nodes.map(|node| (bits(points[node]), (node, 0))).collect();
+    for &point in points {
+        if let Some((_, count)) = at.get_mut(&bits(point)) {
+            *count += 1;
+        }
+    }
+    let once = at.into_values().filter(|(_, count)| *count == 1);
+    once.map(|(node, _)| node).collect()
 }
 
 /// Adds the normals of the faces of a body that fall off from some of its nodes, beside those of a side there.

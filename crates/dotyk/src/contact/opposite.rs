@@ -1,14 +1,15 @@
 //! The opposite of a side: the line along its contact normal, the facet that it meets, and the gap in between.
 
-use crate::contact::corners::{leaning, surfaces};
+use crate::contact::corners::{SAME_DIRECTION, leaning, surfaces};
 use crate::contact::curved::true_surface;
 use crate::contact::normals::Normals;
 use crate::contact::obstacle::{Rigid, beyond, finite_gap};
 use crate::contact::search::{Hit, Line, SideSearch};
 use crate::contact::{Against, ContactError, End, GapPoint, InitialGap};
 use crate::fem::TrueSurface;
-use crate::geometry::{Point, add_scaled, dot, unit};
+use crate::geometry::{Point, add_scaled, distance, dot, unit};
 use crate::mesh::{Facet, MAX_FACET_NODES, Mesh};
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A nonmortar side and its opposite, prepared for the search.
@@ -74,33 +75,35 @@ impl<'a, const D: usize> Opposite<'a, D> {
         })
     }
 
-    /// Corners of the side that meet the other one between the faces of the body, by node.
+    /// Corners of the side that meet the other one between the faces of the body, by node. A gap that is given is one along the normals of
+    /// the side: its corners do not lean.
     ///
     /// Errors: those of both sides; a gap that is not finite.
     pub fn corners(&self) -> Result<BTreeMap<usize, Corner<D>>, ContactError> {
-        let Against::Side(mortar) = self.against else {
+        let (Against::Side(mortar), Some(search)) = (self.against, &self.search) else {
             return Ok(BTreeMap::new());
         };
-        let (other, facets) = (Normals::new(mortar, mortar.facets()?)?, mortar.facets()?);
-        let surfaces = surfaces(mortar)?.first;
-        let surface_of: BTreeMap<Facet, usize> = facets.iter().copied().zip(surfaces).collect();
+        if matches!(self.gap, InitialGap::Given(_)) {
+            return Ok(BTreeMap::new());
+        }
+        // flat sides do not ask for them
+        let others = OnceCell::new();
+        let others = || others.get_or_init(|| Smooth::of(mortar).ok()).as_ref();
+        let flat = |hit: &Hit| unit(mortar.body.mesh.outward_normal(hit.facet, &hit.xi));
         let meets = |facet: Facet, line: Line<D>, of: Option<Facet>| {
             let shallow = self.mesh().facet_length(facet);
-            let on = |other: Facet| of.is_none_or(|of| surface_of[&of] == surface_of[&other]);
-            let search = self.search.as_ref()?;
-            let mut hit = search.opposite_among(line, shallow, on)?;
-            // where several facets meet, the one most nearly opposed
-            let opposed = |facet: Facet| {
-                let own = mortar.body.mesh.outward_normal(facet, &[0.0; 2]);
-                -dot(unit(own).unwrap_or([0.0; D]), line.direction)
+            let Some(of) = of else {
+                let hit = self.most_opposed(search, line, shallow)?;
+                let own = flat(&hit)?.map(|c| -c);
+                return match distance(own, line.direction) <= SAME_DIRECTION {
+                    true => Some((hit, own)),
+                    false => Some((hit, others()?.against(&hit))),
+                };
             };
-            while let Some(other) = search.opposite_among(line, shallow, |facet| {
-                of.is_none() && opposed(facet) > opposed(hit.facet) + SAME_DISTANCE
-            }) && (other.distance - hit.distance).abs() <= SAME_DISTANCE * shallow
-            {
-                hit = other;
-            }
-            Some((hit, other.nearby(hit.facet, &hit.xi).map(|c| -c)))
+            let others = others()?;
+            let on = |facet: Facet| others.surface_of[&of] == others.surface_of[&facet];
+            let hit = search.opposite_among(line, shallow, on)?;
+            Some((hit, others.against(&hit)))
         };
         let mut corners = BTreeMap::new();
         for (node, found) in leaning(self.nonmortar, &self.normals, &meets)? {
@@ -115,13 +118,8 @@ impl<'a, const D: usize> Opposite<'a, D> {
                 own: vec![(node, 1.0)],
                 opposite: shape(&mortar.body.mesh, hit.facet, &place),
                 normal: found.direction,
-                gap: match self.gap {
-                    // to the plane that touches the surface there
-                    InitialGap::Measured | InitialGap::Adjusted(_) => {
-                        away * dot(direction, found.direction)
-                    }
-                    InitialGap::Closed | InitialGap::Given(_) => away,
-                },
+                // to the plane that touches the surface there
+                gap: away * dot(direction, found.direction),
             };
             let corner = Corner {
                 at,
@@ -133,13 +131,39 @@ impl<'a, const D: usize> Opposite<'a, D> {
         Ok(corners)
     }
 
+    /// The opposite of a point; where several facets meet at one place, the one most nearly opposed to the line.
+    fn most_opposed(&self, search: &SideSearch<'a, D>, line: Line<D>, shallow: f64) -> Option<Hit> {
+        let Against::Side(mortar) = self.against else {
+            return None;
+        };
+        let opposed = |facet: Facet| {
+            let centre = mortar.body.mesh.facet_kind(facet).domain().centre();
+            let normal = unit(mortar.body.mesh.outward_normal(facet, &centre));
+            -dot(normal.unwrap_or([0.0; D]), line.direction)
+        };
+        let mut hit = search.opposite(line, shallow)?;
+        loop {
+            let more = opposed(hit.facet) + SAME_DISTANCE;
+            let other = search.opposite_among(line, shallow, |facet| opposed(facet) > more);
+            let there =
+                |other: &Hit| (other.distance - hit.distance).abs() <= SAME_DISTANCE * shallow;
+            match other.filter(there) {
+                Some(other) => hit = other,
+                None => return Some(hit),
+            }
+        }
+    }
+
     /// With lines that lead over to the directions of these corners on the facets beside them.
     ///
     /// Errors: as [`Self::corners`].
     pub fn leaning(mut self) -> Result<Self, ContactError> {
-        let corners = self.corners()?.into_iter();
-        let directions = corners.map(|(node, corner)| (node, corner.at.normal));
-        self.normals.lean(&directions.collect());
+        let corners = self.corners()?;
+        if !corners.is_empty() {
+            let corners = corners.into_iter();
+            let directions = corners.map(|(node, corner)| (node, corner.at.normal));
+            self.normals.lean(&directions.collect());
+        }
         Ok(self)
     }
 
@@ -254,6 +278,30 @@ const SAME_DISTANCE: f64 = 1e-6;
 fn rise<const D: usize>(surface: &Option<TrueSurface<'_, D>>, facet: Facet, line: Line<D>) -> f64 {
     let surface = surface.as_ref().and_then(|surface| surface.at(facet));
     surface.map_or(0.0, |surface| line.along(surface.closest(line.start)))
+}
+
+/// A side by its smooth surfaces.
+struct Smooth<'a, const D: usize> {
+    normals: Normals<'a, D>,
+    /// The first facet of the surface of each, by index.
+    surface_of: BTreeMap<Facet, usize>,
+}
+
+impl<'a, const D: usize> Smooth<'a, D> {
+    /// Errors: an unknown or empty side, nodes off its true surface.
+    fn of(end: End<'a, D>) -> Result<Self, ContactError> {
+        let facets = end.facets()?;
+        let surfaces = surfaces(end)?.first;
+        Ok(Self {
+            normals: Normals::new(end, facets)?,
+            surface_of: facets.iter().copied().zip(surfaces).collect(),
+        })
+    }
+
+    /// The direction against the surface where a line meets it.
+    fn against(&self, hit: &Hit) -> Point<D> {
+        self.normals.nearby(hit.facet, &hit.xi).map(|c| -c)
+    }
 }
 
 /// A corner that meets the other side between the faces of its body.

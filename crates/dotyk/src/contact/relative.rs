@@ -74,8 +74,7 @@ pub(super) fn carried<const D: usize>(frame: [Point<D>; D], normal: Point<D>) ->
     carried
 }
 
-/// A frame after the smallest rotation that takes one unit vector to another: v − (v·b)(a + b)/(1 + a·b) + (v·a) times what that takes
-/// from a itself.
+/// A frame after the smallest rotation that takes a unit vector a to b: v − ((a + b)·v)/(1 + a·b) (a + b) + 2 (a·v) b.
 pub(super) fn turned<const D: usize>(
     frame: [Point<D>; D],
     from: Point<D>,

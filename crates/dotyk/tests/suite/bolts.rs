@@ -100,6 +100,25 @@ fn a_contact_goes_on_over_a_cut() {
 }
 
 #[test]
+fn no_corner_leans_at_a_cut() {
+    let beam = |bolt: &str| {
+        let text = format!(
+            "analysis = \"plane-strain\"\n[[body]]\nname = \"beam\"\n\
+             mesh = {{ rectangle = {{ from = [0, 0], to = [4, 1], cells = [8, 2] }} }}\n\
+             material = {{ young = 1000, poisson = 0.3 }}\n\
+             fix = [{{ side = \"bottom\", y = 0 }}, {{ side = \"left\", x = 0 }}]\n\
+             [[contact]]\nname = \"c\"\nnonmortar = \"beam.top\"\n\
+             obstacle = {{ outline = [[-1, 1], [5, 1.006]], displacement = [0, -0.02] }}\n{bolt}"
+        );
+        solved(&text).1.remove(0)
+    };
+    let cut = beam(
+        "[[bolt]]\nname = \"stud\"\nbody = \"beam\"\nat = [2, 0.5]\naxis = [1, 0]\nshortening = 0\n",
+    );
+    assert!(difference(&cut, &beam("")) < ROUNDING);
+}
+
+#[test]
 fn a_cut_that_is_not_drawn_together_changes_nothing() {
     let whole = solved(&cantilever(2, "")).1;
     for axis in ["[1, 0]", "[-3, 0]", "[1, 0.8]", "[1, -0.3]"] {

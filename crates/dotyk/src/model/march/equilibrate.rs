@@ -26,7 +26,7 @@ use crate::model::nouns::model::{Method, Model};
 use crate::model::nouns::solution::HistoryPoint;
 use crate::model::system::compliance::ASSEMBLED;
 use crate::model::system::condense::{Condensed, again, make_whole};
-use crate::model::system::dependent::least_forces;
+use crate::model::system::dependent::shared_forces;
 use crate::solve::{Outcome, correction, loaded};
 
 /// Most increments.
@@ -35,7 +35,7 @@ const INCREMENTS: usize = 8;
 /// Most finer tolerances.
 const FINER: usize = 3;
 
-/// An attempt, how it was judged, and what the user should know of what was lost on the way.
+/// An attempt, how it was judged, and what the user should know of what was lost on the way, and of forces that are not unique.
 pub(crate) type Found<const D: usize> = (Attempt<D>, Judged<D>, Vec<String>);
 
 /// Solves until the certificate holds, all joints have a state, and the bodies have yielded as much as their displacements say.
@@ -64,9 +64,12 @@ pub(crate) fn equilibrate<const D: usize>(
             let (ended, goes_on) = turns.next(model, condensed, known, observe)?;
             if !goes_on {
                 let mut ended = ended.behind(before);
-                if from.own.is_none() && ended.failure.is_none() {
-                    share_out(model, condensed, (&mut ended.outcome, &mut at.judged))?;
-                }
+                parted.extend(share_out(
+                    model,
+                    condensed,
+                    (&mut ended, &mut at.judged),
+                    from,
+                )?);
                 turns.take_over(model, condensed, &mut at.judged)?;
                 return Ok((ended, at.judged, parted));
             }
@@ -79,26 +82,31 @@ pub(crate) fn equilibrate<const D: usize>(
     }
 }
 
-/// Forces that are not unique become the least ones, if the certificate holds with these as well.
+/// Forces that are not unique become the least ones, if the certificate holds with these as well; those of a solver from outside stay.
+/// Returns a warning about them.
 ///
 /// Errors: as [`equilibrate`].
 fn share_out<const D: usize>(
     model: &Model<D>,
     condensed: &Condensed<D>,
-    (outcome, judged): (&mut Outcome, &mut Judged<D>),
-) -> Result<(), Error<D>> {
+    (attempt, judged): (&mut Attempt<D>, &mut Judged<D>),
+    from: Start<'_>,
+) -> Result<Option<String>, Error<D>> {
     let pairs = (&condensed.bodies[..], &condensed.conditions[..]);
-    let (lambda, gaps) = (&outcome.multipliers.lambda, &judged.displaced.gaps);
-    let Some(least) = least_forces(pairs, &condensed.problem, lambda, gaps) else {
-        return Ok(());
+    let (lambda, gaps) = (&attempt.outcome.multipliers.lambda, &judged.displaced.gaps);
+    let Some(shared) = shared_forces(model, pairs, &condensed.problem, lambda, gaps) else {
+        return Ok(None);
     };
-    let mut shared = outcome.clone();
-    shared.multipliers.lambda = least;
-    let found = judge(model, condensed, &shared, None)?;
-    if excess(&found.certificate) <= excess(&judged.certificate).max(1.0) {
-        (*outcome, *judged) = (shared, found);
+    let answer = from.own.is_none() && attempt.failure.is_none();
+    if let Some(least) = shared.least.filter(|_| answer) {
+        let mut outcome = attempt.outcome.clone();
+        outcome.multipliers.lambda = least;
+        let found = judge(model, condensed, &outcome, None)?;
+        if excess(&found.certificate) <= excess(&judged.certificate).max(1.0) {
+            (attempt.outcome, *judged) = (outcome, found);
+        }
     }
-    Ok(())
+    Ok(Some(shared.words))
 }
 
 /// Solves the present linear problem until the certificate holds or no move brings the forces nearer.

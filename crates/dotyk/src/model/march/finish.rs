@@ -19,7 +19,6 @@ use crate::model::read::singular::peaks;
 use crate::model::read::view::View;
 use crate::model::system::condense::Condensed;
 use crate::model::system::condition::{Condition, carriers, contact_rows};
-use crate::model::system::dependent::shared_forces;
 use crate::model::system::factor::division;
 use crate::model::system::member::member_solutions;
 use crate::solve::{Bolt, Outcome};
@@ -125,14 +124,6 @@ pub(crate) fn finish<const D: usize>(
         };
         warnings.push(format!("contact \"{name}\": {told}"));
     }
-    let pairs = (&condensed.bodies[..], &condensed.conditions[..]);
-    warnings.extend(shared_forces(
-        model,
-        pairs,
-        &condensed.problem,
-        lambda,
-        &judged.displaced.gaps,
-    ));
     let (certificate, overlap) = (judged.certificate, judged.intrusion.clone());
     let exerted = exerted(model, condensed, &judged.displaced, lambda);
     let (mut bodies, contacts, beds) = fields(model, condensed, judged.displaced, lambda)?;

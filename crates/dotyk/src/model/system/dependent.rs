@@ -163,28 +163,36 @@ impl Movable {
     }
 }
 
-/// A warning about forces λ (m,) of these bodies and conditions that are not unique, because the rows of several contacts at a node
-/// are dependent; `gaps` (m,) show which nodes slip.
+/// Forces that are not unique.
+pub(crate) struct Shared {
+    /// A warning.
+    pub words: String,
+    /// Forces (m,) of contacts that do the same with the least pressures and shears ∫ p² (and of ties, where these do not decide): where
+    /// two tied bodies stand on a third one, the pressure goes on from one to the other. `None` where they are the given ones.
+    pub least: Option<Vec<f64>>,
+}
+
+/// What is not unique of forces λ (m,) of these bodies and conditions, because the rows of several contacts at a node are dependent;
+/// `gaps` (m,) show which nodes slip.
 pub(crate) fn shared_forces<const D: usize>(
     model: &Model<D>,
     (bodies, conditions): (&[LoadedBody<D>], &[Condition<D>]),
     problem: &DualProblem,
     lambda: &[f64],
     gaps: &[f64],
-) -> Option<String> {
-    let Movable {
-        columns, owners, ..
-    } = Movable::of((bodies, conditions), problem, lambda, gaps);
+) -> Option<Shared> {
+    let movable = Movable::of((bodies, conditions), problem, lambda, gaps);
+    let (columns, owners) = (&movable.columns, &movable.owners);
     let all: Vec<usize> = (0..columns.len()).collect();
     let (mut dependent, mut involved) = (Vec::new(), BTreeSet::new());
-    for together in connected(&columns, &all) {
+    for together in connected(columns, &all) {
         let contacts = together.iter().map(|&i| owners[i].0);
         let contacts: BTreeSet<usize> = contacts.collect();
         let found = match together.len() > TOGETHER {
             // more forces than dofs: some of them are dependent
-            true if together.len() > dofs_of(&columns, &together) => together,
+            true if together.len() > dofs_of(columns, &together) => together,
             true => Vec::new(),
-            false => split_together(&columns, &together).1,
+            false => split_together(columns, &together).1,
         };
         if !found.is_empty() {
             involved.extend(contacts);
@@ -198,51 +206,51 @@ pub(crate) fn shared_forces<const D: usize>(
         1 => "several of its forces do the same",
         _ => "several contacts bear the same force",
     };
-    Some(format!(
-        "{}: at {} {bear}; how they share it is not unique",
-        conditions[contact].called(model),
-        describe(model, &conditions[contact], &own)
-    ))
+    Some(Shared {
+        words: format!(
+            "{}: at {} {bear}; how they share it is not unique",
+            conditions[contact].called(model),
+            describe(model, &conditions[contact], &own)
+        ),
+        least: movable.least(conditions, problem, lambda),
+    })
 }
 
-/// Of all forces of contacts that do the same as λ (m,), those of the least pressures and shears ∫ p² (and of ties, where these do not
-/// decide): where two tied bodies stand on a third one, the pressure goes on from one to the other. `None` where λ is unique, or they
-/// would pull, or slip where nodes stick.
-pub(crate) fn least_forces<const D: usize>(
-    (bodies, conditions): (&[LoadedBody<D>], &[Condition<D>]),
-    problem: &DualProblem,
-    lambda: &[f64],
-    gaps: &[f64],
-) -> Option<Vec<f64>> {
-    let movable = Movable::of((bodies, conditions), problem, lambda, gaps);
-    let columns = &movable.columns;
-    let own = (0..columns.len()).filter(|&i| conditions[movable.owners[i].0].contact().is_some());
-    let own: Vec<usize> = own.collect();
-    let mut least = lambda.to_vec();
-    for together in connected(columns, &own) {
-        if together.len() > TOGETHER {
-            continue;
-        }
-        let (basis, dependent) = split_together(columns, &together);
-        if dependent.is_empty() {
-            continue;
-        }
-        let area = |i: usize| area_of(&conditions[movable.owners[i].0], movable.owners[i].1);
-        let force = |i: usize| lambda[movable.parts[i][0].0];
-        let change = to_least(columns, (&basis, &dependent), area, force)?;
-        for (index, change) in change {
-            for &(row, share) in &movable.parts[index] {
-                least[row] += share * change;
+impl Movable {
+    /// The least forces, as [`Shared`] tells of them, within the bounds of their laws: an iteration may leave λ beside these by more than
+    /// rounding. Whether they still balance is for the judge.
+    fn least<const D: usize>(
+        &self,
+        conditions: &[Condition<D>],
+        problem: &DualProblem,
+        lambda: &[f64],
+    ) -> Option<Vec<f64>> {
+        let (columns, owners) = (&self.columns, &self.owners);
+        let all = 0..columns.len();
+        let own = all.filter(|&i| conditions[owners[i].0].contact().is_some());
+        let own: Vec<usize> = own.collect();
+        let area = |i: usize| area_of(&conditions[owners[i].0], owners[i].1);
+        let force = |i: usize| lambda[self.parts[i][0].0];
+        let mut least = lambda.to_vec();
+        let groups = connected(columns, &own).into_iter();
+        for together in groups.filter(|together| together.len() <= TOGETHER) {
+            let (basis, dependent) = split_together(columns, &together);
+            if dependent.is_empty() {
+                continue;
+            }
+            let change = to_least(columns, (&basis, &dependent), area, force)?;
+            for (index, change) in change {
+                for &(row, share) in &self.parts[index] {
+                    least[row] += share * change;
+                }
             }
         }
+        let mut allowed = least.clone();
+        problem.admissible.project(&least, &mut allowed);
+        let size = |of: &mut dyn Iterator<Item = f64>| of.map(|x| x * x).sum::<f64>().sqrt();
+        let moved = size(&mut allowed.iter().zip(lambda).map(|(a, b)| a - b));
+        (moved > ROUNDING * size(&mut lambda.iter().copied())).then_some(allowed)
     }
-    let mut allowed = least.clone();
-    problem.admissible.project(&least, &mut allowed);
-    let size = |of: &[f64]| of.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let outside: Vec<f64> = allowed.iter().zip(&least).map(|(a, b)| a - b).collect();
-    let moved: Vec<f64> = allowed.iter().zip(lambda).map(|(a, b)| a - b).collect();
-    (size(&outside) <= ROUNDING * size(lambda) && size(&moved) > ROUNDING * size(lambda))
-        .then_some(allowed)
 }
 
 /// Changes of forces, by their index, to those of least Σ force²/area that do the same: with aⱼ the shares of a dependent force among
