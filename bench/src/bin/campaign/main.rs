@@ -95,7 +95,15 @@ const FAILED: [&[u64]; 2] = [
         240_684_173,
         240_707_326,
     ],
-    &[20, 2_006, 2_154, 253_082_568, 253_082_650, 253_084_410],
+    &[
+        20,
+        2_006,
+        2_154,
+        253_082_568,
+        253_082_650,
+        253_084_410,
+        736_000_129,
+    ],
 ];
 
 /// The same for the later families, by name: the problem of a seed in a family does not depend on other families.

@@ -212,8 +212,6 @@ const LINES: usize = 30;
 pub(super) struct Leaning<const D: usize> {
     /// A facet of the side there.
     pub facet: Facet,
-    /// Its normal on the side.
-    pub upright: Point<D>,
     /// The direction in which it meets the opposite.
     pub direction: Point<D>,
     /// The line along which it was found, that direction or, where this passes the end of the surface that is met, one beside, and where
@@ -342,7 +340,6 @@ fn towards<const D: usize>(
         let step = distance(next, direction);
         found = Some(Leaning {
             facet,
-            upright,
             direction: next,
             along: direction,
             hit,

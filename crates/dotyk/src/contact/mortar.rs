@@ -56,7 +56,7 @@ use crate::contact::functions::{Basis, Cell, Cover, FUNCTIONS, Piece, cells, fun
 use crate::contact::lever::Lever;
 use crate::contact::opposite::{Corner, Found, Opposite, shape};
 use crate::contact::relative::{
-    Relative, axes, carried, frame, free_part, separates, tangents_along, turned,
+    Relative, axes, carried, frame, free_part, separates, tangents_along,
 };
 use crate::contact::search::{Hit, meet};
 use crate::contact::share::{GapAt, Share, Station, Sums};
@@ -665,9 +665,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
                         }
                         let weight = psi[k] * station.area;
                         let (corner, normal) = (self.corner(node, faced), station.at.normal);
-                        // a corner leans on all of its facets as it does at the node
                         let frame = match corner {
-                            Some(corner) => turned(self.leaning[&node], corner.upright, normal),
+                            Some(_) => self.leaning[&node],
                             None => carried(self.frames[&node], normal),
                         };
                         let kept = components.iter().filter(|&&c| kept[&node][c]);

@@ -123,7 +123,6 @@ impl<'a, const D: usize> Opposite<'a, D> {
             };
             let corner = Corner {
                 at,
-                upright: found.upright,
                 facet: hit.facet,
             };
             corners.insert(node, corner);
@@ -308,8 +307,6 @@ impl<'a, const D: usize> Smooth<'a, D> {
 pub(super) struct Corner<const D: usize> {
     /// It and the place that it meets, along the direction there.
     pub at: GapPoint<D>,
-    /// Its normal on the side.
-    pub upright: Point<D>,
     /// The facet of that place.
     pub facet: Facet,
 }

@@ -67,25 +67,22 @@ pub(super) fn separates<const D: usize>(frame: &[Point<D>; D], held: &[Point<D>]
     held.iter().map(parts).all(|parts| parts < 2)
 }
 
-/// A frame carried to another normal nearby, by the smallest rotation.
+/// A frame carried to another normal nearby, by the smallest rotation, which takes a unit vector a to b:
+/// v − ((a + b)·v)/(1 + a·b) (a + b) + 2 (a·v) b.
 pub(super) fn carried<const D: usize>(frame: [Point<D>; D], normal: Point<D>) -> [Point<D>; D] {
-    let mut carried = turned(frame, frame[0], normal);
+    let from = frame[0];
+    let both = add_scaled(from, 1.0, normal);
+    let scale = 1.0 / (1.0 + dot(from, normal));
+    let mut carried = frame.map(|axis| {
+        let parts = scale * (dot(axis, from) + dot(axis, normal));
+        add_scaled(
+            add_scaled(axis, -parts, both),
+            2.0 * dot(axis, from),
+            normal,
+        )
+    });
     carried[0] = normal;
     carried
-}
-
-/// A frame after the smallest rotation that takes a unit vector a to b: v − ((a + b)·v)/(1 + a·b) (a + b) + 2 (a·v) b.
-pub(super) fn turned<const D: usize>(
-    frame: [Point<D>; D],
-    from: Point<D>,
-    to: Point<D>,
-) -> [Point<D>; D] {
-    let both = add_scaled(from, 1.0, to);
-    let scale = 1.0 / (1.0 + dot(from, to));
-    frame.map(|axis| {
-        let parts = scale * (dot(axis, from) + dot(axis, to));
-        add_scaled(add_scaled(axis, -parts, both), 2.0 * dot(axis, from), to)
-    })
 }
 
 /// Constraints by supports on the relative motion of two opposite points; orthonormal directions.

@@ -606,3 +606,39 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_node_over_two_banks_of_one_level_has_a_condition_on_each() {
+    let run = |contacts: [Option<&str>; 2]| {
+        let mut text = "analysis = \"plane-strain\"\n[[body]]\nname = \"floor\"\n\
+             mesh = { outline = { size = 0.2, cell = \"tri3\", from = [0, -1], edges = [\
+             { to = [4, -1], name = \"low\" }, { to = [4, 0], name = \"end\" }, { to = [2.1, 0], name = \"right\" }, \
+             { to = [2.1, -0.2], name = \"fall\" }, { to = [1.8, -0.2], name = \"bottom\" }, { to = [1.8, 0], name = \"rise\" }, \
+             { to = [0, 0], name = \"left\" }, { to = [0, -1], name = \"start\" }] } }\n\
+             material = { young = 1000, poisson = 0.3 }\n\
+             fix = [{ side = \"low\", x = 0, y = 0 }]\n[[body]]\nname = \"block\"\n\
+             mesh = { rectangle = { from = [0.3, 0], to = [3.8, 1], cells = [5, 2], cell = \"quad4\" } }\n\
+             material = { young = 1000, poisson = 0.3 }\nfix = [{ side = \"left\", x = 0 }]\n\
+             load = [{ side = \"top\", pressure = 1 }]\n"
+            .to_owned();
+        for (k, mortar) in contacts.into_iter().flatten().enumerate() {
+            text += &format!(
+                "[[contact]]\nname = \"c{k}\"\nnonmortar = \"block.bottom\"\nmortar = {mortar}\n"
+            );
+        }
+        plane(&text).remove(0)
+    };
+    let whole = run([
+        Some(r#"["floor.left", "floor.rise", "floor.bottom", "floor.fall", "floor.right"]"#),
+        None,
+    ]);
+    let each = run([Some("\"floor.left\""), Some("\"floor.right\"")]);
+    let forces = each.contacts.iter().map(|contact| contact.resultant[1]);
+    let force = whole.contacts[0].resultant[1];
+    assert!((forces.sum::<f64>() - force).abs() < 1e-9 * force);
+    for (a, b) in whole.bodies.iter().zip(&each.bodies) {
+        for (a, b) in a.displacement.iter().zip(&b.displacement) {
+            assert!(distance(*a, *b) < 1e-9, "{a:?} {b:?}");
+        }
+    }
+}

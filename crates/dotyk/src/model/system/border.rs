@@ -1,6 +1,6 @@
 //! Nodes of a contact that are one place: on the border of a sector, where what meets one face meets the other; on both sides of the cut
-//! of a bolt which a contact crosses, if the bolt draws them together along the contact; and the faces of a corner, if they meet the
-//! other side along one direction at one place.
+//! of a bolt which a contact crosses, if the bolt draws them together along the contact; and what meets the other side along one direction
+//! at one place, from several faces of a corner or on several of its surfaces.
 //!
 //! Ties of the faces make the conditions at both the same, so that their forces could be divided in any way; and a bolt that is locked
 //! would exchange its force with the friction on both sides. There is one multiplier of the weight of both, whose row is the mean of both
@@ -14,7 +14,7 @@
 
 use crate::contact::{Coupling, InterfaceNode, Role};
 use crate::fem::{Turn, Twins};
-use crate::geometry::{Point, distance, dot};
+use crate::geometry::{Point, add_scaled, distance, dot};
 use crate::model::nouns::ids::BodyId;
 use crate::model::nouns::model::Model;
 use crate::model::nouns::solution::ContactSolution;
@@ -39,9 +39,11 @@ pub(crate) fn join_borders<const D: usize>(model: &Model<D>, conditions: &mut [C
             continue;
         }
         let nodes = &condition.interface.nodes;
+        let mortar = condition.mortar.as_ref();
+        let mortar = mortar.map(|side| model.bodies[side.body.0].mesh.points());
         let mut pairs = match condition.interface.coupling {
             Coupling::Tied => Vec::new(),
-            _ => corners(nodes, model.bodies[of.0].mesh.diameter()),
+            _ => same_conditions(nodes, mortar, model.bodies[of.0].mesh.diameter()),
         };
         if let Some(twins) = model.bodies[of.0].twins() {
             join_places(nodes, &twins, |_| true, &mut pairs);
@@ -60,15 +62,30 @@ pub(crate) fn join_borders<const D: usize>(model: &Model<D>, conditions: &mut [C
     }
 }
 
-/// The places of nodes at corners that meet the other side along one direction at one place, that of the largest weight first; gaps are
-/// compared with a length.
-fn corners<const D: usize>(nodes: &[InterfaceNode<D>], length: f64) -> Vec<Twin<D>> {
+/// The places of nodes whose conditions on several surfaces of the other side are one: along one direction, with one gap, at one place of
+/// the other side (of these points; an obstacle is rigid, so that its places do not matter). That of the largest weight comes first; gaps
+/// and places are compared with a length.
+fn same_conditions<const D: usize>(
+    nodes: &[InterfaceNode<D>],
+    mortar: Option<&[Point<D>]>,
+    length: f64,
+) -> Vec<Twin<D>> {
     let mut at_nodes: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (place, node) in nodes.iter().enumerate() {
         if node.rows[0].is_some() {
             at_nodes.entry(node.node).or_default().push(place);
         }
     }
+    // over a trench with level banks each bank has a condition of its own
+    let at_one_place = |[a, b]: [&InterfaceNode<D>; 2]| {
+        let Some(points) = mortar else { return true };
+        let met = |node: &InterfaceNode<D>| {
+            let met = node.opposite.iter();
+            met.fold([0.0; D], |sum, &(k, n)| add_scaled(sum, n, points[k]))
+        };
+        let known = !a.opposite.is_empty() && !b.opposite.is_empty();
+        known && distance(met(a), met(b)) <= SAME_CONDITION * length
+    };
     let mut pairs = Vec::new();
     for mut places in at_nodes.into_values().filter(|places| places.len() > 1) {
         // stable: the first of equal ones
@@ -80,6 +97,7 @@ fn corners<const D: usize>(nodes: &[InterfaceNode<D>], length: f64) -> Vec<Twin<
                 distance(a.normal(), b.normal()) <= SAME_CONDITION
                     && (a.gap - b.gap).abs() <= SAME_CONDITION * length
                     && a.rows.map(|row| row.is_some()) == b.rows.map(|row| row.is_some())
+                    && at_one_place([a, b])
             };
             match owners.iter().find(same) {
                 Some(&owner) => pairs.push(Twin {
