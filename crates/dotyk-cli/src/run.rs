@@ -182,7 +182,7 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
         let mut observe = |event| progress.observe(event);
         let mut run = case.run_keeping(&past, &mut observe, &keep);
         progress.finish();
-        let mut beside = Vec::new();
+        let (mut beside, mut moved) = (Vec::new(), None);
         if let Some(deck) = &deck {
             let steps = run.standing();
             let files = deck.files(&case.model, steps);
@@ -191,10 +191,11 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
             if arguments.apart.is_some() {
                 beside.push(deck.status(steps.len()));
             }
-            let motion = motion.map_err(|e| Failure::of(file, e))?;
+            moved = motion.map_err(|e| Failure::of(file, e))?;
+            let told = moved.iter().map(|(told, _)| told);
             run.steps
                 .iter_mut()
-                .for_each(|step| step.warnings.extend(motion.clone()));
+                .for_each(|step| step.warnings.extend(told.clone().cloned()));
         }
         warn(&run.warnings());
         let steps = run.standing();
@@ -245,7 +246,15 @@ fn run_case(arguments: &Arguments, file: &Path, folder: PathBuf) -> Result<Outco
         }
         let ended = run.to_string();
         match run.failure.map(|failure| failure.refusal) {
-            None => Ok(Outcome::Done),
+            // the files are there, but this is not the answer that the deck asks for
+            None => Ok(match moved {
+                Some((_, false)) => {
+                    let told = "the deck asks for finite motion, which is not supported yet, and motion is not small";
+                    Failure::of(file, told).print();
+                    Outcome::Unsatisfied
+                }
+                _ => Outcome::Done,
+            }),
             Some(None) => {
                 Failure::of(file, ended).print();
                 Ok(Outcome::Unsatisfied)

@@ -12,11 +12,14 @@ fn dotyk(folder: &Path, arguments: &[&str]) -> Output {
     command.output().expect("dotyk runs")
 }
 
+fn folder_of(name: &str) -> PathBuf {
+    let of_all = Path::new(env!("CARGO_TARGET_TMPDIR")).join("decks");
+    of_all.join(name)
+}
+
 /// A folder of its own for a test, with decks of this folder.
 fn folder(name: &str, decks: &[&str]) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR"))
-        .join("decks")
-        .join(name);
+    let path = folder_of(name);
     let _ = std::fs::remove_dir_all(&path);
     std::fs::create_dir_all(&path).unwrap();
     for deck in decks {
@@ -217,15 +220,35 @@ fn decks_without_an_answer_end_with_the_status_of_ccx() {
     let text = text
         .replace("0.5, 1e4\n", "0.1\n")
         .replace("*Dload\n", push);
-    let folder = folder("slides", &[]);
-    std::fs::write(folder.join("slides.inp"), text).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_dotyk-ccx"));
-    let output = command
-        .current_dir(&folder)
-        .args(["-i", "slides"])
-        .output()
-        .unwrap();
+    let output = as_ccx("slides", &text);
     assert_eq!(output.status.code(), Some(201), "{}", told(&output));
+}
+
+/// A deck run under the calling convention of ccx.
+fn as_ccx(name: &str, deck: &str) -> Output {
+    let folder = folder(name, &[]);
+    std::fs::write(folder.join(format!("{name}.inp")), deck).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dotyk-ccx"));
+    command.current_dir(&folder);
+    command.args(["-i", name]).output().unwrap()
+}
+
+#[test]
+fn what_moves_far_under_nlgeom_is_no_answer_and_its_files_are_there() {
+    // pulled by a strain of 0.01, which is small, and of 0.03
+    for (name, force, status) in [("little", 2.5, 0), ("far", 7.5, 201)] {
+        let deck = format!(
+            "{CUBE}*STEP, NLGEOM\n*STATIC\n*CLOAD\nTop, 3, {force}\n*NODE PRINT, NSET=Top\nU\n*END STEP\n"
+        );
+        let output = as_ccx(name, &deck);
+        assert_eq!(output.status.code(), Some(status), "{}", told(&output));
+        let line = deck.lines().count() - 6;
+        let named = format!("{name}.inp:{line}: *STEP: NLGEOM");
+        assert!(told(&output).contains(&named), "{}", told(&output));
+        let path = folder_of(name).join(format!("{name}.dat"));
+        let all = tables(&std::fs::read_to_string(path).unwrap());
+        near(all[0].1[0][3], force * 4.0 / 1000.0, name);
+    }
 }
 
 /// A cube of E = 1000 and density 2 that is held at its floor, a set with the name of a parameter below a line that ends with a comma, with the top as a set, a surface and the element `All`.

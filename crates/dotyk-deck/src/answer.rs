@@ -73,14 +73,14 @@ impl Deck {
         (format!("{}.sta", self.stem), text.into_bytes())
     }
 
-    /// A warning where the deck asks for finite motion: how large strains and rotations are; `None` where it does not.
+    /// Where the deck asks for finite motion: how large strains and rotations are, and whether that is small; `None` where it does not.
     ///
     /// Errors: fields that cannot be evaluated.
     pub fn motion<const D: usize>(
         &self,
         model: &Model<D>,
         solutions: &[Solution<D>],
-    ) -> Result<Option<String>, FemError> {
+    ) -> Result<Option<(String, bool)>, FemError> {
         let Some(step) = self.deck.steps.iter().find(|step| step.nlgeom) else {
             return Ok(None);
         };
@@ -97,14 +97,18 @@ impl Deck {
             }
         }
         let source = &self.sources.files[step.place.file as usize].name;
-        let judged = match strain <= SMALL.0 && rotation <= SMALL.1 {
+        let is_small = strain <= SMALL.0 && rotation <= SMALL.1;
+        let judged = match is_small {
             true => "that is small",
-            false => "THAT IS NOT SMALL, and this answer is a rough one",
+            false => {
+                "that is not small, and finite motion is not supported yet: this answer is a rough one"
+            }
         };
-        Ok(Some(format!(
+        let told = format!(
             "{source}:{}: *STEP: NLGEOM: strains reach {strain:.1e} and rotations {rotation:.1e} rad: {judged}",
             step.place.line
-        )))
+        );
+        Ok(Some((told, is_small)))
     }
 
     fn result_mesh(&self) -> Mesh {

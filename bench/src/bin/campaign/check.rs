@@ -45,7 +45,7 @@ use crate::rows::{check_corners, check_rows};
 use crate::side::Skin;
 use crate::state::{MOVE, State};
 use crate::touch::Touch;
-use crate::vector::{across, bounds, dot, length, minus, plus};
+use crate::vector::{across, bounds, dot, length, minus, plus, unit};
 use crate::wrench::check_wrenches;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -285,7 +285,10 @@ fn check_motion<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>) {
         let (low, high) = bounds(&mesh.points);
         length(minus(high, low))
     });
-    let longest = longest.fold(0.0, f64::max);
+    let conditions = view.state.conditions.iter().flatten();
+    // what supports drive along several axes, too
+    let driven = conditions.fold(0.0, |s: f64, c| s.max(2.0 * c.value.abs()));
+    let longest = longest.fold(0.0, f64::max) + driven;
     for (body, moves) in view.step.displacements.iter().enumerate() {
         // a body that spins until a second node bears has no limit; about a single node it must not turn
         let stopped = view.problem.spins && bears_on_two(view, body);
@@ -339,6 +342,26 @@ fn check_equilibrium<const D: usize>(judgement: &mut Judgement, view: &View<'_, 
 /// A corner may lean by ten degrees less than to the normal of what it meets, where its own faces end.
 const BESIDE: f64 = 0.175;
 
+/// How far a direction at a corner is from that against the surface which its line meets, or one beside: where facets meet, by a twentieth
+/// of the way to the middle of those around.
+fn leaning<const D: usize>(opposite: &Skin<D>, corner: [f64; D], direction: [f64; D]) -> f64 {
+    let around = opposite
+        .facets
+        .iter()
+        .map(|facet| (facet, minus(facet.centre, corner)));
+    let around = around.filter(|(facet, way)| length(*way) <= 1.5 * facet.radius);
+    let beside = around.map(|(_, way)| plus(corner, 0.05, way));
+    let met = beside.chain([corner]).filter_map(|start| {
+        let hit = opposite.hit(start, direction, opposite.longest)?;
+        let at = opposite.facets[hit.facet].at(hit.xi);
+        // kinks of some thirty degrees are smooth or sharp by rounding
+        let against = [opposite.normal(hit.facet, &at), unit(at.normal)];
+        let off = against.map(|normal| length(plus(direction, 1.0, normal)));
+        Some(off[0].min(off[1]))
+    });
+    met.fold(f64::INFINITY, f64::min)
+}
+
 /// Normals of the rows; a support along an axis turns them into the directions that it leaves free.
 fn check_normals<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>, c: usize) {
     let touch = &view.touches[c];
@@ -365,16 +388,10 @@ fn check_normals<const D: usize>(judgement: &mut Judgement, view: &View<'_, D>, 
         let off = off.fold(f64::INFINITY, f64::min);
         let limit = 1.1 * touch.skin.turn + 1e-6;
         let corner = view.answer.meshes[touch.own].points[row.node];
-        let met = touch.opposite.as_ref().and_then(|opposite| {
-            let hit = opposite.hit(corner, row.normal, opposite.longest)?;
-            let own = &opposite.facets[hit.facet];
-            Some(length(plus(
-                row.normal,
-                1.0,
-                opposite.normal(hit.facet, &own.at(hit.xi)),
-            )))
+        let off = touch.opposite.iter().fold(off, |off, opposite| {
+            let met = leaning(opposite, corner, row.normal);
+            off.min((met - BESIDE).max(0.0))
         });
-        let off = off.min(met.map_or(f64::INFINITY, |met| (met - BESIDE).max(0.0)));
         judgement.compare("normal", off, limit, || view.node(touch.own, row.node));
     }
 }

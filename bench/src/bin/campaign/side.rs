@@ -59,8 +59,8 @@ pub struct Facet<const D: usize> {
     /// Unit normals at the nodes.
     normals: Vec<[f64; D]>,
     /// A ball around the facet.
-    centre: [f64; D],
-    radius: f64,
+    pub centre: [f64; D],
+    pub radius: f64,
 }
 
 impl<const D: usize> Facet<D> {

@@ -50,6 +50,33 @@ pub fn smooth_parts<const D: usize>(end: End<'_, D>) -> Result<Vec<Vec<Facet>>, 
     Ok(parts)
 }
 
+/// Whether a side meets a flat one by its corners alone: it has some, and none of its facets lies along the other, to ten degrees.
+///
+/// Errors: unknown or empty sides, nodes off the true surface of a side.
+pub fn is_pointed<const D: usize>(
+    end: End<'_, D>,
+    other: End<'_, D>,
+) -> Result<bool, ContactError> {
+    let normals = |end: End<'_, D>| -> Result<Vec<Point<D>>, ContactError> {
+        let mesh = &end.body.mesh;
+        let facets = end.facets()?.iter();
+        let at_centre = |&facet: &Facet| {
+            let centre = mesh.facet_kind(facet).domain().centre();
+            unit(mesh.outward_normal(facet, &centre))
+        };
+        Ok(facets.filter_map(at_centre).collect())
+    };
+    let others = normals(other)?;
+    let Some(&across) = others.first() else {
+        return Ok(false);
+    };
+    let flat = others.iter().all(|&n| dot(n, across) > TOUCHED);
+    let towards = |n: &Point<D>| -dot(*n, across);
+    let own = normals(end)?;
+    let most = own.iter().map(towards).fold(f64::NEG_INFINITY, f64::max);
+    Ok(flat && most > 0.0 && most < TOUCHED && surfaces(end)?.sharp)
+}
+
 /// The smooth surfaces of a side: facets that meet at common nodes without a corner.
 pub(super) struct Surfaces {
     /// By facet of the side, the index of the first one of its surface.
@@ -201,7 +228,7 @@ fn nearest_in_cone<const D: usize>(
 pub(super) const SAME_DIRECTION: f64 = 1e-9;
 
 /// A corner is touched first only by what lies between its faces or, with a cosine above this, beside: there its neighbours are nearer by
-/// a sixth of a facet.
+/// a sixth of a facet. Normals within that angle are those of one plane.
 const TOUCHED: f64 = 0.985;
 
 /// So many lines find the nearest place of a surface that bends away, each at least a third of a digit more where it is within twice the

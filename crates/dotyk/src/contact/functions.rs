@@ -221,7 +221,7 @@ impl Covered {
     fn new(kind: CellKind, bound: Stretch, corners: &[[f64; 2]]) -> Self {
         let corners: Vec<[f64; 2]> = corners.iter().map(|&xi| bound.of(xi)).collect();
         let of_box = kind.reference_nodes().iter().take(kind.nodes());
-        let ends = of_box.map(|&[x, y, _]| nearest(&corners, [x, y]));
+        let ends = of_box.map(|&[x, y, _]| nearest(kind.domain(), &corners, [x, y]));
         Self {
             bound,
             ends: ends.collect(),
@@ -230,15 +230,23 @@ impl Covered {
 }
 
 /// The place of the convex hull of some points that is nearest to a place that does not lie inside it: on the line between two
-/// of them.
-fn nearest(points: &[[f64; 2]], place: [f64; 2]) -> [f64; 2] {
-    let off = |p: [f64; 2]| (p[0] - place[0]).hypot(p[1] - place[1]);
+/// of them. Distances are those in a square, or in an equilateral triangle, so that the order of the corners does not count.
+fn nearest(domain: Domain, points: &[[f64; 2]], place: [f64; 2]) -> [f64; 2] {
+    let less = |a: [f64; 2], b: [f64; 2]| [a[0] - b[0], a[1] - b[1]];
+    let dot = |a: [f64; 2], b: [f64; 2]| {
+        let straight = a[0] * b[0] + a[1] * b[1];
+        match domain {
+            Domain::Triangle => straight + 0.5 * (a[0] * b[1] + a[1] * b[0]),
+            _ => straight,
+        }
+    };
+    let off = |p: [f64; 2]| dot(less(p, place), less(p, place)).sqrt();
     let mut best = (f64::INFINITY, place);
     for (k, &a) in points.iter().enumerate() {
         for &b in &points[k..] {
-            let along = [b[0] - a[0], b[1] - a[1]];
-            let square = along[0] * along[0] + along[1] * along[1];
-            let part = (place[0] - a[0]) * along[0] + (place[1] - a[1]) * along[1];
+            let along = less(b, a);
+            let square = dot(along, along);
+            let part = dot(less(place, a), along);
             let t = if square > 0.0 {
                 (part / square).clamp(0.0, 1.0)
             } else {
@@ -723,5 +731,30 @@ mod tests {
         assert_eq!(both[..2], [0.25, 0.75]);
         let one = Basis::Hats.values(cell, [0.5, 0.0], &[true, false]);
         assert_eq!(one[..2], [1.0, 0.0]);
+    }
+
+    #[test]
+    fn the_nearest_covered_place_does_not_depend_on_the_order_of_corners() {
+        // parts of a triangle by the shares of its corners
+        let part = [[0.5, 0.3, 0.2], [0.2, 0.7, 0.1], [0.3, 0.4, 0.3]];
+        let ends = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let found = |order: [usize; 3]| {
+            let place = |shares: [f64; 3]| [shares[order[1]], shares[order[2]]];
+            let corners = part.map(place);
+            ends.map(|end| {
+                let [x, y] = nearest(Domain::Triangle, &corners, place(end));
+                let mut shares = [0.0; 3];
+                for (corner, share) in order.into_iter().zip([1.0 - x - y, x, y]) {
+                    shares[corner] = share;
+                }
+                shares
+            })
+        };
+        let first = found([0, 1, 2]);
+        for order in [[1, 2, 0], [2, 0, 1], [1, 0, 2], [0, 2, 1], [2, 1, 0]] {
+            let all = found(order).into_iter().flatten();
+            let off = all.zip(first.into_iter().flatten());
+            assert!(off.map(|(a, b)| (a - b).abs()).all(|off| off < 1e-14));
+        }
     }
 }

@@ -35,7 +35,7 @@ mod sheets;
 mod tool;
 mod weights;
 
-pub use corners::{Corners, corners_above, smooth_parts};
+pub use corners::{Corners, corners_above, is_pointed, smooth_parts};
 pub use couple::pair_couple;
 pub(crate) use curved::missed_by_nodes;
 pub use curved::straight_turn;

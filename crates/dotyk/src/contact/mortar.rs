@@ -44,7 +44,9 @@
 //!   bounds on tractions are bounds on forces.
 //!
 //! **Corners** that meet the other side between the faces of their body (`corners.rs`) have rows along the direction there, which
-//! compare u_s with u_m continued rigidly, as tangential ones do, and the gap between the corner and the place that it meets.
+//! compare u_s with u_m continued rigidly, as tangential ones do, and the gap between the corner and the place that it meets. On
+//! facets that are covered in part, or have a node without a multiplier, they are of the displacements of the corner and of that place
+//! alone: a mean there would compare the gap of the corner with the displacements of its neighbours.
 //!
 //! **Tangential rows** compare u_s with u_m continued rigidly from y to x by the rotation of the other facet, because forces
 //! along t at two points a distance s apart would be a couple. The tangents are those of the node, carried to n(x) by the
@@ -151,6 +153,9 @@ struct Sheet<const D: usize> {
     kept: Components<D>,
     unborne: usize,
 }
+
+/// Stands for the piece of a corner, which lies on none.
+const AT_CORNER: usize = usize::MAX - 1;
 
 struct Pairing<'a, const D: usize> {
     sides: Opposite<'a, D>,
@@ -632,6 +637,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
                 true => Basis::of_facet(kind, stations.iter().map(|s| (s.xi, s.area))),
                 false => None,
             };
+            // a mean over a part of a facet would compare the gap at a corner with displacements elsewhere
+            let at_corners = whole.is_none();
             // the parts with functions of their own: the whole facet, or its cells
             let parts = match whole {
                 Some(basis) => vec![(stations, &of_facet, basis)],
@@ -652,6 +659,8 @@ impl<'a, const D: usize> Pairing<'a, D> {
             let mut index = first;
             for (stations, nodes, basis) in parts {
                 let carrying: Vec<bool> = nodes.iter().map(carries).collect();
+                let corners = nodes.iter().map(|&node| self.corner(node, faced));
+                let corners: Vec<Option<&Corner<D>>> = corners.collect();
                 let mut weights = [0.0; FUNCTIONS];
                 for station in stations {
                     let cell = &self.cells[station.cell];
@@ -664,34 +673,44 @@ impl<'a, const D: usize> Pairing<'a, D> {
                             share.extent += parts[k] * station.extent;
                         }
                         let weight = psi[k] * station.area;
-                        let (corner, normal) = (self.corner(node, faced), station.at.normal);
+                        let corner = corners[k];
                         let frame = match corner {
                             Some(_) => self.leaning[&node],
-                            None => carried(self.frames[&node], normal),
+                            None => carried(self.frames[&node], station.at.normal),
                         };
                         let kept = components.iter().filter(|&&c| kept[&node][c]);
-                        for &component in kept.filter(|_| weight != 0.0) {
+                        let within = weight != 0.0 && !(at_corners && corner.is_some());
+                        for &component in kept.filter(|_| within) {
                             let along = (component, frame[component]);
                             let lever =
                                 lever.as_ref().filter(|_| component > 0 || corner.is_some());
                             share.add(along, weight, station, lever);
                             if component == 0 && matches!(basis, Basis::Hats) {
-                                let at = corner.map(|corner| GapAt::Place(corner.at.clone()));
-                                share.take_gap(at.unwrap_or(GapAt::Station(index)), weight);
+                                share.take_gap(GapAt::Station(index), weight);
                             }
                         }
                         weights[k] += weight;
                     }
                     index += 1;
                 }
-                for (k, node) in nodes.iter().enumerate().filter(|_| shared == 0) {
-                    if let (Some(place), true) = (basis.acts_at(k), carrying[k]) {
-                        let at = match self.corner(*node, faced) {
-                            Some(corner) => corner.at.clone(),
-                            None => self.gap_at(facet, place, stations)?,
-                        };
-                        let share = shares.entry(*node).or_insert_with(|| Share::new(*node));
-                        share.take_gap(GapAt::Place(at), weights[k]);
+                for (k, &node) in nodes.iter().enumerate() {
+                    let share = shares.entry(node).or_insert_with(|| Share::new(node));
+                    match corners[k] {
+                        Some(corner) if at_corners => {
+                            let kept = components.iter().filter(|&&c| kept[&node][c]);
+                            let kept = kept.copied().filter(|_| weights[k] != 0.0);
+                            self.add_corner((node, corner), kept, weights[k], share);
+                        }
+                        _ if shared > 0 || !carrying[k] => {}
+                        corner => {
+                            if let Some(place) = basis.acts_at(k) {
+                                let at = match corner {
+                                    Some(corner) => corner.at.clone(),
+                                    None => self.gap_at(facet, place, stations)?,
+                                };
+                                share.take_gap(GapAt::Place(at), weights[k]);
+                            }
+                        }
                     }
                 }
             }
@@ -699,10 +718,40 @@ impl<'a, const D: usize> Pairing<'a, D> {
         Ok(shares.into_values().collect())
     }
 
+    /// Adds the rows of a corner with a weight: of its own displacement, and of that of the place which it meets.
+    fn add_corner(
+        &self,
+        (node, corner): (usize, &Corner<D>),
+        components: impl Iterator<Item = usize>,
+        weight: f64,
+        share: &mut Share<D>,
+    ) {
+        let lever = match self.sides.against {
+            Against::Side(mortar) => Some(Lever::new(&mortar.body.mesh, corner.hit, corner.along)),
+            Against::Obstacle(..) => None,
+        };
+        let station = Station {
+            cell: 0,
+            piece: AT_CORNER,
+            xi: [0.0; 2],
+            area: 0.0,
+            extent: 0.0,
+            at: corner.at.clone(),
+            hit: Some(corner.hit),
+        };
+        for component in components {
+            let along = (component, self.leaning[&node][component]);
+            share.add(along, weight, &station, lever.as_ref());
+            if component == 0 {
+                share.take_gap(GapAt::Place(corner.at.clone()), weight);
+            }
+        }
+    }
+
     /// A corner that meets one of some facets of the other side between its faces.
     fn corner(&self, node: usize, faced: &BTreeSet<Facet>) -> Option<&Corner<D>> {
         let corner = self.corners.get(&node);
-        corner.filter(|corner| faced.contains(&corner.facet))
+        corner.filter(|corner| faced.contains(&corner.hit.facet))
     }
 
     /// The gap at a place of a facet to the sheet that some of its stations face, by the pairing of the nearest of these.

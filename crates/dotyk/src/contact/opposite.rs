@@ -121,11 +121,8 @@ impl<'a, const D: usize> Opposite<'a, D> {
                 // to the plane that touches the surface there
                 gap: away * dot(direction, found.direction),
             };
-            let corner = Corner {
-                at,
-                facet: hit.facet,
-            };
-            corners.insert(node, corner);
+            let along = direction;
+            corners.insert(node, Corner { at, along, hit });
         }
         Ok(corners)
     }
@@ -164,6 +161,15 @@ impl<'a, const D: usize> Opposite<'a, D> {
             self.normals.lean(&directions.collect());
         }
         Ok(self)
+    }
+
+    /// The smooth surface of each facet of the other side's mesh, by the index of its first one; `None` before an obstacle without facets.
+    pub fn surfaces_opposite(&self) -> Option<BTreeMap<Facet, usize>> {
+        let Against::Side(mortar) = self.against else {
+            return None;
+        };
+        let facets = mortar.facets().ok()?.iter().copied();
+        Some(facets.zip(surfaces(mortar).ok()?.first).collect())
     }
 
     pub fn mesh(&self) -> &'a Mesh<D> {
@@ -307,8 +313,9 @@ impl<'a, const D: usize> Smooth<'a, D> {
 pub(super) struct Corner<const D: usize> {
     /// It and the place that it meets, along the direction there.
     pub at: GapPoint<D>,
-    /// The facet of that place.
-    pub facet: Facet,
+    /// The line along which it was found, and where it meets the other side.
+    pub along: Point<D>,
+    pub hit: Hit,
 }
 
 /// A place of the other side.

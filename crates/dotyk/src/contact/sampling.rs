@@ -14,6 +14,7 @@ use crate::fem::quadrature;
 use crate::geometry::Point;
 use crate::mesh::{CellKind, Domain, Facet};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Points on each line: the middles of as many equal parts.
 const POINTS: usize = 6;
@@ -31,6 +32,8 @@ pub struct Sample<const D: usize> {
     pub xi: [f64; 2],
     /// Its opposite.
     pub at: GapPoint<D>,
+    /// The smooth surface of the other side there, by the index of its first facet.
+    pub surface: usize,
     /// Depth of the dent between the nodes under a unit pressure, a length³/force.
     pub dent: f64,
 }
@@ -50,10 +53,11 @@ pub fn samples<const D: usize>(
     if leaning {
         sides = sides.leaning()?;
     }
+    let surfaces = sides.surfaces_opposite().unwrap_or_default();
     let is_tool = matches!(against, Against::Obstacle(Rigid::Tool(_), _));
     let at = |facet: Facet, places: &[[f64; 2]]| {
         let found = places.iter();
-        let found = found.filter_map(|xi| sample(&sides, facet, *xi).transpose());
+        let found = found.filter_map(|xi| sample((&sides, &surfaces), facet, *xi).transpose());
         let mut found = found.collect::<Result<Vec<Sample<D>>, _>>()?;
         // the nodes of a tool move alike
         let opposites = found.iter_mut().map(|sample| &mut sample.at.opposite);
@@ -113,15 +117,15 @@ fn lattice(kind: CellKind) -> Vec<[f64; 2]> {
 }
 
 fn sample<const D: usize>(
-    sides: &Opposite<'_, D>,
+    (sides, surfaces): (&Opposite<'_, D>, &BTreeMap<Facet, usize>),
     facet: Facet,
     xi: [f64; 2],
 ) -> Result<Option<Sample<D>>, ContactError> {
     let line = sides.line(facet, &xi);
     let own = sides.nonmortar;
-    let (normal, gap, opposite, other) = match sides.against {
+    let (normal, gap, opposite, (other, surface)) = match sides.against {
         Against::Obstacle(..) => match sides.obstacle(facet, line)? {
-            Some((normal, gap)) => (normal, gap, Vec::new(), 0.0),
+            Some((normal, gap)) => (normal, gap, Vec::new(), (0.0, 0)),
             None => return Ok(None),
         },
         Against::Side(mortar) => {
@@ -129,7 +133,8 @@ fn sample<const D: usize>(
                 return Ok(None);
             };
             let dent = dent(mortar, found.facet);
-            (line.direction, found.gap, found.nodes, dent)
+            let surface = surfaces.get(&found.facet).copied().unwrap_or(0);
+            (line.direction, found.gap, found.nodes, (dent, surface))
         }
     };
     Ok(Some(Sample {
@@ -141,6 +146,7 @@ fn sample<const D: usize>(
             normal,
             gap,
         },
+        surface,
         dent: dent(own, facet) + other,
     }))
 }

@@ -424,9 +424,7 @@ impl Cholesky {
         let stack = MemStack::new(&mut memory);
         self.view()
             .l_transpose_solve_with_conj(Conj::No, x, Par::Seq, stack);
-        let mut u = vec![0.0; self.structure.dofs];
-        self.scatter(&y, &mut u);
-        u
+        self.spread(&y)
     }
 
     /// L_cc, (trailing, trailing) lower triangular: the Cholesky factor of the Schur complement on the trailing dofs.
@@ -482,10 +480,18 @@ impl Cholesky {
             .solve_in_place_with_conj(Conj::No, x, Par::Seq, stack);
     }
 
-    fn gather(&self, full: &[f64]) -> Vec<f64> {
+    /// Those in the order, of values over all dofs.
+    pub(super) fn gather(&self, full: &[f64]) -> Vec<f64> {
         assert_eq!(full.len(), self.structure.dofs);
         let order = self.structure.order.iter();
         order.map(|&dof| full[dof as usize]).collect()
+    }
+
+    /// Over all dofs, from those in the order.
+    pub(super) fn spread(&self, kept: &[f64]) -> Vec<f64> {
+        let mut full = vec![0.0; self.structure.dofs];
+        self.scatter(kept, &mut full);
+        full
     }
 
     fn scatter(&self, kept: &[f64], full: &mut [f64]) {

@@ -42,6 +42,7 @@ use elimination::elimination_order;
 pub(crate) use elimination::{analyse, factor_scattered, ground, some_of_node};
 pub(crate) use glued::{Divided, Glued};
 pub(crate) use gram::WeightedGram;
+pub(crate) use reached::Reached;
 pub(crate) use sparse_lu::SparseLu;
 
 /// A symmetric linear map of vectors of length `len`, in the units of the caller.

@@ -14,6 +14,9 @@
 //! Rows are sorted by their places in the order and taken in blocks of a fixed size, side by side on the threads there are: the bits do
 //! not depend on the number of these.
 //!
+//! A solution for f − Bᵀλ with a λ that depends on what f does to the rows is one in halves: of y = L⁻¹Pf, which is whole, Bu needs L⁻ᵀy
+//! in the reached places alone, and L⁻¹PBᵀλ changes y there alone.
+//!
 //! Source: P. R. Amestoy, I. S. Duff, J.-Y. L'Excellent, Y. Robert, F.-H. Rouet, B. Uçar, On computing inverse entries of a sparse matrix
 //! in an out-of-core environment, SIAM J. Sci. Comput. 34 (2012) A1975–A1999, for right-hand sides that reach a part of the tree.
 
@@ -21,9 +24,11 @@ use crate::linalg::cholesky::{Cholesky, NO_COLUMN};
 use crate::linalg::dense::mirror_lower;
 use crate::linalg::{Mat, SparseVector};
 use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
-use faer::{Accum, MatRef, Par};
+use faer::{Accum, MatMut, MatRef, Par};
 use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -53,7 +58,75 @@ struct Block {
     y: Mat<f64>,
 }
 
+/// The part of a factor that some dofs reach: their supernodes and the ancestors of these.
+pub(crate) struct Reached {
+    /// Children before parents.
+    supernodes: Vec<usize>,
+}
+
 impl Cholesky {
+    /// The part that some dofs reach; those that are not listed in the order reach nothing.
+    pub(crate) fn reached(&self, dofs: impl Iterator<Item = usize>) -> Reached {
+        let (place, tree) = (self.places(), Tree::of(self.symbolic()));
+        let mut reached = vec![false; tree.parent.len()];
+        for place in dofs.map(|dof| place[dof]).filter(|&p| p != NO_COLUMN) {
+            reached[tree.of_place[place as usize] as usize] = true;
+        }
+        for (supernode, &parent) in tree.parent.iter().enumerate() {
+            if let (true, Some(parent)) = (reached[supernode], parent) {
+                reached[parent] = true;
+            }
+        }
+        let supernodes = (0..reached.len()).filter(|&supernode| reached[supernode]);
+        Reached {
+            supernodes: supernodes.collect(),
+        }
+    }
+
+    /// u = PᵀL⁻ᵀy over all dofs, in the reached places; zero elsewhere.
+    pub(crate) fn backward_reached(&self, y: &[f64], reached: &Reached) -> Vec<f64> {
+        let (mut x, mut beyond) = (vec![0.0; y.len()], Vec::new());
+        for &supernode in reached.supernodes.iter().rev() {
+            let supernode = self.view().supernode(supernode);
+            let columns = supernode.val().ncols();
+            let own = supernode.start()..supernode.start() + columns;
+            let (triangle, rest) = supernode.val().split_at_row(columns);
+            beyond.clear();
+            beyond.extend(supernode.pattern().iter().map(|&row| x[row as usize]));
+            x[own.clone()].copy_from_slice(&y[own.clone()]);
+            let mut own = MatMut::from_column_major_slice_mut(&mut x[own], columns, 1);
+            let beyond = MatRef::from_column_major_slice(&beyond, rest.nrows(), 1);
+            let rest = rest.transpose();
+            matmul(own.as_mut(), Accum::Add, rest, beyond, -1.0, Par::Seq);
+            solve_upper_triangular_in_place(triangle.transpose(), own, Par::Seq);
+        }
+        self.spread(&x)
+    }
+
+    /// y ← y + L⁻¹Pf, of an f over all dofs whose entries reach no more.
+    pub(crate) fn forward_reached(&self, f: &[f64], reached: &Reached, y: &mut [f64]) {
+        let (mut z, mut below) = (self.gather(f), Vec::new());
+        for &supernode in &reached.supernodes {
+            let supernode = self.view().supernode(supernode);
+            let columns = supernode.val().ncols();
+            let own = supernode.start()..supernode.start() + columns;
+            let (triangle, rest) = supernode.val().split_at_row(columns);
+            let mut part = MatMut::from_column_major_slice_mut(&mut z[own.clone()], columns, 1);
+            solve_lower_triangular_in_place(triangle, part.as_mut(), Par::Seq);
+            below.clear();
+            below.resize(rest.nrows(), 0.0);
+            let change = MatMut::from_column_major_slice_mut(&mut below, rest.nrows(), 1);
+            matmul(change, Accum::Replace, rest, part.as_ref(), 1.0, Par::Seq);
+            for (&row, change) in supernode.pattern().iter().zip(&below) {
+                z[row as usize] -= change;
+            }
+            y[own.clone()]
+                .iter_mut()
+                .zip(&z[own])
+                .for_each(|(y, z)| *y += z);
+        }
+    }
+
     /// BA⁻¹Bᵀ, (rows, rows), of rows over all dofs; dofs that are not listed in the order do not move.
     pub(crate) fn compliance(&self, rows: &[SparseVector]) -> Mat<f64> {
         let place = self.places();
@@ -279,6 +352,41 @@ mod tests {
                 assert!((f[(i, j)] - product).abs() < 1e-13 * largest, "{i} {j}");
             }
         }
+    }
+
+    #[test]
+    fn a_solution_in_halves_is_a_whole_one() {
+        let (factor, rows) = problem();
+        let rows = &rows[..9];
+        let dofs = || {
+            rows.iter()
+                .flat_map(|row| row.entries().map(|entry| entry.0))
+        };
+        let reached = factor.reached(dofs());
+        assert!(!reached.supernodes.is_empty());
+        assert!(reached.supernodes.len() < factor.symbolic().n_supernodes());
+        let load = grid::noise(rows[0].to_dense().len());
+        let mut whole = load.clone();
+        factor.solve(&mut whole);
+        let mut y = factor.forward(&load);
+        let base = factor.backward_reached(&y, &reached);
+        let largest = whole.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+        assert!(dofs().all(|dof| (base[dof] - whole[dof]).abs() < 1e-13 * largest));
+        let mut forces = vec![0.0; load.len()];
+        for (i, row) in rows.iter().enumerate() {
+            row.entries()
+                .for_each(|(dof, value)| forces[dof] -= (1.0 + i as f64) * value);
+        }
+        factor.forward_reached(&forces, &reached, &mut y);
+        let u = factor.backward(y);
+        let mut both: Vec<f64> = load.iter().zip(&forces).map(|(f, g)| f + g).collect();
+        factor.solve(&mut both);
+        let largest = both.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+        assert!(
+            u.iter()
+                .zip(&both)
+                .all(|(a, b)| (a - b).abs() < 1e-13 * largest)
+        );
     }
 
     #[test]

@@ -834,3 +834,57 @@ fn a_corner_on_a_floor_does_not_lose_the_wall_beside_it() {
         assert!(off < 1e-6, "{clearance} {degrees}: {off}");
     }
 }
+
+/// A box stands on its corner above a flat block, between whose nodes the corner lies, and is pressed down. The found contact gives the
+/// corner its condition, along the normal of the block; written the other way round it is no answer that the corner sinks in freely.
+#[test]
+fn a_corner_between_the_nodes_of_a_flat_side_does_not_sink_in() {
+    for (cell, lies) in [
+        (CellKind::Tet4, [0.11, 0.07]),
+        (CellKind::Hex8, [-0.2, 0.15]),
+    ] {
+        let build = |from: Point<3>, to: Point<3>, cells: [usize; 3]| {
+            let cuboid = Cuboid {
+                from,
+                to,
+                cells,
+                cell,
+            };
+            cuboid.build().unwrap()
+        };
+        let low = build([-1.0, -1.0, -1.0], [1.0, 1.0, 0.0], [3, 3, 2]);
+        // the diagonal of the cube is turned upright, past an axis of symmetry
+        let [a, b] = [[0.8, 0.1, 0.5], [-0.2, 0.8, 0.45f64]];
+        let unit = |v: Point<3>| v.map(|x| x / v.iter().map(|x| x * x).sum::<f64>().sqrt());
+        let cross = |a: Point<3>, b: Point<3>| {
+            [0, 1, 2]
+                .map(|k: usize| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
+        };
+        let (x, z) = (unit(a), unit(cross(a, b)));
+        let y = cross(z, x);
+        let up = build([0.0; 3], [1.0; 3], [2, 2, 2]);
+        let up = up.map_points(|p| {
+            let at = |k: usize| p[0] * x[k] + p[1] * y[k] + p[2] * z[k];
+            [lies[0] + at(0), lies[1] + at(1), at(2)]
+        });
+        let mut model = Model::new();
+        let low = model.body("low", low, STEEL);
+        let up = model.body("up", up.unwrap(), STEEL);
+        model.fix(low, "bottom", [Some(0.0); 3]);
+        model.fix(up, "top", [Some(0.0), Some(0.0), Some(-0.02)]);
+        let mut found = model.clone();
+        let contacts = found.find_contacts(&finding("c", [0, 1], None)).unwrap();
+        assert_eq!(contacts.contacts.len(), 1);
+        let solution = found.solve().unwrap();
+        let [fx, fy, fz] = solution.contacts[0].resultant;
+        assert!(fz.abs() > 0.5 && fx.hypot(fy) < 1e-9 * fz.abs(), "{cell:?}");
+        // the sides of the corner as the mortar side
+        let mut blind = model;
+        let mesh = (*blind.bodies[1].mesh).clone();
+        let near = mesh.with_side("near", |p| p[2] < 0.72);
+        blind.bodies[1].mesh = near.into();
+        blind.contact((low, "top"), (up, "near"));
+        let refused = blind.solve().unwrap_err().to_string();
+        assert!(refused.contains("overlap"), "{cell:?}: {refused}");
+    }
+}

@@ -354,22 +354,25 @@ fn an_open_sheet_is_a_plane_of_space() {
 
 #[test]
 fn an_edge_and_a_corner_of_a_box_meet_an_inclined_sheet_along_its_normal() {
-    for (toward, cell, listed) in [
+    let three = "[\"cube.top\", \"cube.right\", \"cube.back\"]";
+    // in one layer of cells held nodes share the facets of the corner; a sheet may cover a part of these
+    for (toward, cell, listed, layers, reach) in [
         (
             [0.3, 0.0, 0.95f64],
             "hex8",
             "[\"cube.top\", \"cube.right\"]",
+            2,
+            9.0,
         ),
-        ([0.6, 0.0, 0.8], "tet10", "\"cube.top\""),
-        (
-            [0.4, 0.7, 0.6],
-            "tet4",
-            "[\"cube.top\", \"cube.right\", \"cube.back\"]",
-        ),
+        ([0.6, 0.0, 0.8], "tet10", "\"cube.top\"", 2, 9.0),
+        ([0.4, 0.7, 0.6], "tet4", three, 2, 9.0),
+        ([0.4, 0.7, 0.6], "hex8", three, 1, 9.0),
+        ([0.4, 0.6, 0.7], "tet10", three, 1, 9.0),
+        ([0.5, 0.6, 0.7], "hex8", three, 2, 0.2),
     ] {
         let size = norm(toward);
         let up = toward.map(|c| c / size);
-        // a large triangle through the corner (1, 1, 1), seen from below
+        // a triangle around the corner (1, 1, 1), seen from below
         let (a, b) = (
             [up[2], 0.0, -up[0]],
             [-up[0] * up[1], 1.0 - up[1] * up[1], -up[1] * up[2]],
@@ -380,18 +383,18 @@ fn an_edge_and_a_corner_of_a_box_meet_an_inclined_sheet_along_its_normal() {
                 .map(|c| format!("{c:?}"))
                 .join(" ")
         };
-        let facet = [at(-9.0, -9.0), at(0.0, 9.0), at(9.0, -9.0)];
+        let facet = [at(-reach, -reach), at(0.0, reach), at(reach, -reach)];
         let stl = format!(
             "solid s\nfacet normal 0 0 0\nouter loop\nvertex {}\nvertex {}\nvertex {}\nendloop\nendfacet\nendsolid s\n",
             facet[0], facet[1], facet[2]
         );
-        let name = format!("leaning_{cell}");
+        let name = format!("leaning_{cell}_{layers}_{reach}");
         let at = folder(&name, &[("tool.stl", stl.as_bytes())]);
         let pressed = up.map(|c| -0.002 * c);
         let text = |shape: &str| {
             format!(
                 "analysis = \"3d\"\n[[body]]\nname = \"cube\"\n\
-                 mesh = {{ box = {{ from = [0, 0, 0], to = [1, 1, 1], cells = [2, 2, 2], cell = \"{cell}\" }} }}\n\
+                 mesh = {{ box = {{ from = [0, 0, 0], to = [1, 1, 1], cells = [2, 2, {layers}], cell = \"{cell}\" }} }}\n\
                  material = {{ young = 1000, poisson = 0.3 }}\n\
                  fix = [{{ side = \"bottom\", x = 0, y = 0, z = 0 }}]\n\
                  [[contact]]\nname = \"c\"\nnonmortar = {listed}\n\

@@ -281,31 +281,43 @@ fn gaps<const D: usize>(samples: &[Sample<D>], moved: &Moved<'_, D>) -> Vec<f64>
         .collect()
 }
 
-/// Largest distance of some values along a facet from the straight line between the first and the last, in space from the
-/// linear function that fits them best.
+/// Largest distance of some values on a facet from linear functions, one for each smooth surface opposite: each has conditions of its own,
+/// and neither a step between two of them nor a kink is a curve that the mesh cannot resolve.
 fn bend<const D: usize>(samples: &[Sample<D>], values: &[f64]) -> f64 {
-    if D > 2 {
-        return bend_of_surface(samples, values);
+    let mut surfaces: BTreeMap<usize, (Vec<[f64; 2]>, Vec<f64>)> = BTreeMap::new();
+    for (sample, value) in samples.iter().zip(values) {
+        let (places, values) = surfaces.entry(sample.surface).or_default();
+        places.push(sample.xi);
+        values.push(*value);
     }
-    let ([first, .., last], steps) = (values, values.len().saturating_sub(1)) else {
+    let bends = surfaces.values().map(|(places, values)| match D {
+        2 => bend_of_line(places, values),
+        _ => bend_of_surface(places, values),
+    });
+    bends.fold(0.0, f64::max)
+}
+
+/// Largest distance of some values along a facet from the straight line between the first and the last.
+fn bend_of_line(places: &[[f64; 2]], values: &[f64]) -> f64 {
+    let ([first, .., last], [start, .., end]) = (values, places) else {
         return 0.0;
     };
-    let off = |(k, value): (usize, &f64)| {
-        let t = k as f64 / steps as f64;
+    let off = |(place, value): (&[f64; 2], &f64)| {
+        let t = (place[0] - start[0]) / (end[0] - start[0]);
         (value - first - t * (last - first)).abs()
     };
-    values.iter().enumerate().map(off).fold(0.0, f64::max)
+    places.iter().zip(values).map(off).fold(0.0, f64::max)
 }
 
 /// Largest distance of some values from the linear function of ξ that fits them best.
-fn bend_of_surface<const D: usize>(samples: &[Sample<D>], values: &[f64]) -> f64 {
+fn bend_of_surface(places: &[[f64; 2]], values: &[f64]) -> f64 {
     let mean = |of: &dyn Fn(usize) -> f64| {
         let sum: f64 = (0..values.len()).map(of).sum();
         sum / values.len() as f64
     };
-    let middle = [0, 1].map(|d| mean(&|k| samples[k].xi[d]));
+    let middle = [0, 1].map(|d| mean(&|k| places[k][d]));
     let level = mean(&|k| values[k]);
-    let from_middle = |k: usize| [0, 1].map(|d| samples[k].xi[d] - middle[d]);
+    let from_middle = |k: usize| [0, 1].map(|d| places[k][d] - middle[d]);
     let moment = |i: usize, j: usize| mean(&|k| from_middle(k)[i] * from_middle(k)[j]);
     let load = [0, 1].map(|d| mean(&|k| from_middle(k)[d] * (values[k] - level)));
     let scatter = [[moment(0, 0), moment(0, 1)], [moment(1, 0), moment(1, 1)]];

@@ -710,7 +710,7 @@ impl<const D: usize> fmt::Display for Objection<D> {
                     found.what(),
                     match found.named {
                         true =>
-                            "a contact knows what its sides faced at first, and no others: name all that may touch as its sides, and motions of more than a facet are beyond small displacements",
+                            "a contact knows what its sides faced at first, and no others: name all that may touch as its sides; a corner that lies between the nodes of the other side has a condition only as part of the nonmortar one, and motions of more than a facet are beyond small displacements",
                         false => "no contact is named between them",
                     }
                 )

@@ -505,7 +505,8 @@ fn contact_solution<const D: usize>(
     let length = |counts: &dyn Fn(&ContactNode<D>) -> bool| {
         let extents = nodes.iter().zip(&condition.interface.nodes);
         let counted = extents.filter(|(state, _)| counts(state));
-        counted.map(|(_, node)| node.extent).sum()
+        // the sum of nothing is -0
+        counted.fold(0.0, |sum, (_, node)| sum + node.extent)
     };
     let (resultant, moment, imbalance) = balance(model, condition, lambda);
     let tangential = condition.slides().into_iter();

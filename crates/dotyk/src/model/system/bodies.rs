@@ -37,6 +37,12 @@ impl BodyRows {
         })
     }
 
+    /// The dofs that they read, some of them several times.
+    pub fn dofs(&self) -> impl Iterator<Item = usize> {
+        let rows = 0..self.index.len();
+        rows.flat_map(|local| self.matrix.row(local).map(|(dof, _)| dof))
+    }
+
     /// out += factor · Bᵀλ; shapes (m,) and (D·n,).
     pub fn add_forces(&self, factor: f64, lambda: &[f64], out: &mut [f64]) {
         let local: Vec<f64> = self.index.iter().map(|&row| factor * lambda[row]).collect();

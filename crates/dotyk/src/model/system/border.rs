@@ -190,6 +190,10 @@ pub(crate) fn tell_twins<const D: usize>(condition: &Condition<D>, told: &mut Co
         let twin = &mut told.nodes[places[1]];
         (twin.gap, twin.pressure, twin.status) = (found.gap, found.pressure, found.status);
         twin.shear = turn.vector(found.shear);
+        // in the plane the slip is that of the node itself
+        if D == 3 {
+            twin.slip = turn.vector(found.slip);
+        }
     }
     let carriers = condition.touch.twins.iter().map(|twin| twin.places[0]);
     let carriers: BTreeSet<usize> = carriers.collect();

@@ -1,6 +1,6 @@
 //! Which of two sides carries the multipliers.
 
-use crate::contact::{ContactError, End, Interface, straight_turn};
+use crate::contact::{ContactError, End, Interface, is_pointed, straight_turn};
 use crate::fem::node_normals;
 use crate::geometry::dot;
 use std::collections::BTreeMap;
@@ -27,7 +27,10 @@ const ALIKE: f64 = 1.05;
 /// oriented.
 const EVEN_EDGES: f64 = 1.0 + 1e-9;
 
-/// Index of the side that carries the multipliers: that of the more compliant body; within a factor 10 the finer one, unless
+/// A corner falls between the nodes of a flat side unless the edges there are shorter than this part of its own.
+const BETWEEN_NODES: f64 = 0.5;
+
+/// Index of the side that carries the multipliers: one that meets a flat side by its corners alone; that of the more compliant body; within a factor 10 the finer one, unless
 /// that would show the straight facets of the other. A side held completely by supports cannot carry them.
 pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, ContactError> {
     let stiff = ends.map(stiffness);
@@ -40,6 +43,13 @@ pub(crate) fn chosen<const D: usize>(ends: [End<'_, D>; 2]) -> Result<usize, Con
     };
     if held[0] != held[1] {
         return Ok(usize::from(held[0]));
+    }
+    // between the nodes of the other side a corner has no condition
+    let pointed = [is_pointed(ends[0], ends[1])?, is_pointed(ends[1], ends[0])?];
+    if let Some(corner) = pointed.iter().position(|&pointed| pointed)
+        && edge[1 - corner] > BETWEEN_NODES * edge[corner]
+    {
+        return Ok(corner);
     }
     if stiff[0].max(stiff[1]) > SOFTER * stiff[0].min(stiff[1]) {
         return Ok(usize::from(stiff[1] < stiff[0]));

@@ -5,9 +5,10 @@
 
 use crate::fem::{self, BodySystem, FemError, show};
 use crate::host::{share, team};
+use crate::linalg::dense::dot;
 use crate::linalg::{
-    Cholesky, Divided, Glued, LinalgError, Mat, SparseVector, SymbolicCholesky, analyse, ground,
-    some_of_node,
+    Cholesky, Divided, Glued, LinalgError, Mat, Reached, SparseVector, SymbolicCholesky, analyse,
+    ground, some_of_node,
 };
 use crate::mesh::Count;
 use crate::model::nouns::error::Error;
@@ -105,9 +106,21 @@ impl Inverse {
 pub(crate) struct FactoredBody {
     /// Factor of K on the free dofs, grounded ones left out.
     pub factor: Arc<Inverse>,
-    /// u_D + K⁺(f − K u_D), (D·n,), less the rigid motion that u_D contains.
+    /// u_D + K⁺(f − K u_D), (D·n,), less the rigid motion that u_D contains; of a body with a half, at what its rows read alone.
     pub base: Vec<f64>,
+    /// The first half of a solution, of a body with one factor and without prescribed displacements.
+    half: Option<Half>,
 }
+
+/// L⁻¹Pf, and the part of the factor that the rows of a body reach.
+struct Half {
+    y: Vec<f64>,
+    reached: Reached,
+}
+
+/// Where the forces of contacts leave less than this of the energy of the load, both are solved for together: alone each may bend a
+/// slender body far more than both, and that much of the digits is lost.
+const CANCELLED: f64 = 1e-4;
 
 impl Ordered {
     /// Operations of the factorisation.
@@ -144,20 +157,50 @@ impl Ordered {
 }
 
 impl FactoredBody {
-    /// Solves for the displacement without contact.
+    /// Solves for the displacement without contact: by half where that is enough.
     pub fn new<const D: usize>(body: &LoadedBody<D>, factor: Arc<Inverse>) -> Self {
+        let lift = &body.system.lift;
+        if let (Inverse::Whole(cholesky), true) = (&*factor, lift.iter().all(|&u| u == 0.0)) {
+            let y = cholesky.forward(&body.reduced_load);
+            let reached = cholesky.reached(body.rows.dofs());
+            let base = cholesky.backward_reached(&y, &reached);
+            let half = Some(Half { y, reached });
+            return Self { factor, base, half };
+        }
         let mut base = body.reduced_load.clone();
         factor.solve(&mut base);
-        base.iter_mut()
-            .zip(&body.system.lift)
-            .for_each(|(u, lift)| *u += lift);
-        Self { factor, base }
+        base.iter_mut().zip(lift).for_each(|(u, lift)| *u += lift);
+        Self {
+            factor,
+            base,
+            half: None,
+        }
+    }
+
+    /// K⁺(f − Bᵀλ) from the half that the load left; `None` where there is none, or where that would cost digits.
+    pub fn completed<const D: usize>(
+        &self,
+        body: &LoadedBody<D>,
+        lambda: &[f64],
+    ) -> Option<Vec<f64>> {
+        let (Some(half), Inverse::Whole(cholesky)) = (&self.half, &*self.factor) else {
+            return None;
+        };
+        let mut pushed = vec![0.0; body.reduced_load.len()];
+        body.rows.add_forces(-1.0, lambda, &mut pushed);
+        let mut y = half.y.clone();
+        cholesky.forward_reached(&pushed, &half.reached, &mut y);
+        let [before, now] = [&half.y, &y].map(|y| dot(y, y));
+        (now >= CANCELLED * before).then(|| cholesky.backward(y))
     }
 
     /// Elastic energy of the displacement without contact.
     pub fn energy<const D: usize>(&self, body: &LoadedBody<D>) -> f64 {
-        let works = self.base.iter().zip(&body.reduced_load);
-        works.map(|(u, f)| 0.5 * u * f).sum()
+        let [a, b] = match &self.half {
+            Some(half) => [&half.y, &half.y],
+            None => [&self.base, &body.reduced_load],
+        };
+        0.5 * dot(a, b)
     }
 }
 

@@ -20,6 +20,11 @@ pub(crate) fn elastic_displacement<const D: usize>(
     lambda: &[f64],
     before: Option<(&[f64], &[f64])>,
 ) -> Vec<f64> {
+    if before.is_none()
+        && let Some(u) = factored.completed(body, lambda)
+    {
+        return u;
+    }
     let (mut u, base, pushing) = match before {
         Some((displacement, change)) => (vec![0.0; displacement.len()], displacement, change),
         None => (body.reduced_load.clone(), &body.system.lift[..], lambda),
