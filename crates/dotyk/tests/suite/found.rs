@@ -2,7 +2,7 @@
 
 use crate::norms::difference;
 use dotyk::case::{AnyCase, Case};
-use dotyk::geometry::Point;
+use dotyk::geometry::{Point, cross, unit};
 use dotyk::mesh::{CellBlock, CellKind, Cuboid, Diagonals, Facet, Mesh, Rectangle};
 use dotyk::model::{
     Active, BodyId, Contact, Elastic, Finding, FindingError, Law, Model, Pair, Solution,
@@ -855,12 +855,7 @@ fn a_corner_between_the_nodes_of_a_flat_side_does_not_sink_in() {
         let low = build([-1.0, -1.0, -1.0], [1.0, 1.0, 0.0], [3, 3, 2]);
         // the diagonal of the cube is turned upright, past an axis of symmetry
         let [a, b] = [[0.8, 0.1, 0.5], [-0.2, 0.8, 0.45f64]];
-        let unit = |v: Point<3>| v.map(|x| x / v.iter().map(|x| x * x).sum::<f64>().sqrt());
-        let cross = |a: Point<3>, b: Point<3>| {
-            [0, 1, 2]
-                .map(|k: usize| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
-        };
-        let (x, z) = (unit(a), unit(cross(a, b)));
+        let (x, z) = (unit(a).unwrap(), unit(cross(a, b)).unwrap());
         let y = cross(z, x);
         let up = build([0.0; 3], [1.0; 3], [2, 2, 2]);
         let up = up.map_points(|p| {
